@@ -1,0 +1,2 @@
+//! columba
+fn main() {}

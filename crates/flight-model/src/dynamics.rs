@@ -1,0 +1,73 @@
+//! The constants of the vehicle model, with the paper's values as defaults.
+
+/// Time constants of the three autopilots (Eq. 1), in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeConstants {
+    /// Speed hold, first order (tau_V).
+    pub speed_s: f64,
+    /// Course hold, first order (tau_phi).
+    pub course_s: f64,
+    /// Altitude hold, second order: the fast pole (tau_a).
+    pub altitude_a_s: f64,
+    /// Altitude hold, second order: the slow pole (tau_b).
+    pub altitude_b_s: f64,
+}
+
+/// Limits of the vehicle (Eq. 3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Least horizontal speed, m/s.
+    pub speed_min_mps: f64,
+    /// Greatest horizontal speed, m/s.
+    pub speed_max_mps: f64,
+    /// Least rate of climb, m/s (negative: descent).
+    pub climb_min_mps: f64,
+    /// Greatest rate of climb, m/s.
+    pub climb_max_mps: f64,
+    /// Greatest lateral overload n_max, in units of g. The paper gives no value; 5 is our reading 2.
+    pub lateral_overload_max: f64,
+    /// Gravitational acceleration, m/s2; the paper prints 10.
+    pub gravity_mps2: f64,
+}
+
+/// All that distinguishes one vehicle's dynamics from another's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dynamics {
+    /// Time constants of Eq. 1.
+    pub time_constants: TimeConstants,
+    /// Limits of Eq. 3.
+    pub limits: Limits,
+}
+
+impl Default for TimeConstants {
+    /// Section 4 of the paper.
+    fn default() -> Self {
+        Self { speed_s: 1.0, course_s: 0.75, altitude_a_s: 1.0 / 3.0, altitude_b_s: 3.0 }
+    }
+}
+
+impl Default for Limits {
+    /// Section 4 of the paper; n_max is reading 2.
+    fn default() -> Self {
+        Self {
+            speed_min_mps: 5.0,
+            speed_max_mps: 15.0,
+            climb_min_mps: -6.0,
+            climb_max_mps: 6.0,
+            lateral_overload_max: 5.0,
+            gravity_mps2: 10.0,
+        }
+    }
+}
+
+impl Limits {
+    /// Greatest rate of turn at a speed in m/s: n_max g / V, rad/s (Eq. 3).
+    pub fn turn_rate_max_radps(&self, speed_mps: f64) -> f64 {
+        self.lateral_acceleration_max_mps2() / speed_mps
+    }
+
+    /// Greatest lateral acceleration n_max g, m/s2.
+    pub fn lateral_acceleration_max_mps2(&self) -> f64 {
+        self.lateral_overload_max * self.gravity_mps2
+    }
+}

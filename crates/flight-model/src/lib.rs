@@ -1,0 +1,31 @@
+//! The vehicle of Ruan and Duan's paper: a UAV behind Mach-, course- and altitude-hold autopilots (Eq. 1-3), and the
+//! local frame it flies in.
+//!
+//! Everything here is a pure function of its arguments and uses [`libm`] for transcendental functions, so that a flight
+//! has the same bits on every platform.
+//!
+//! ```
+//! use flight_model::{Autopilot, Dynamics, Setpoint, State};
+//!
+//! let autopilot = Autopilot::new(&Dynamics::default(), 0.01);
+//! let mut state = State { altitude_m: 50.0, speed_mps: 9.0, ..State::default() };
+//! let setpoint = Setpoint { speed_mps: 10.0, course_rad: 0.1, altitude_m: 50.0 };
+//! for _ in 0..1000 {
+//!     state = autopilot.step(&state, &setpoint);
+//! }
+//! assert!((state.speed_mps - 10.0).abs() < 1e-3);
+//! ```
+
+mod angle;
+mod atmosphere;
+mod autopilot;
+mod dynamics;
+mod frame;
+mod state;
+
+pub use angle::wrap_pi;
+pub use atmosphere::{mach, speed_of_sound_mps};
+pub use autopilot::Autopilot;
+pub use dynamics::{Dynamics, Limits, TimeConstants};
+pub use frame::{Geodetic, LocalFrame};
+pub use state::{Setpoint, State};
