@@ -1,1 +1,34 @@
-//! controller
+//! The flocking law of Ruan and Duan (Eq. 4-12), its look-ahead, and the tick of a flock (Algorithm 2).
+//!
+//! Sans-I/O: [`Flock::tick`] takes the states of the vehicles and gives a setpoint for each. It knows no MAVLink, no
+//! socket and no clock, and the same states, seed and tick give the same bits on any number of threads.
+//!
+//! | equation | file |
+//! |---|---|
+//! | 2 | `command.rs` |
+//! | 4 | `pilot.rs` |
+//! | 5, 6, 8, 9, 10 | `terms.rs` |
+//! | 7 | `steering.rs`, `terms.rs` |
+//! | 11, 12 and the constraints | `look_ahead.rs` |
+//! | Algorithm 2 | `flock.rs` |
+
+mod command;
+mod field;
+mod flock;
+mod forecast;
+mod lanes;
+mod look_ahead;
+mod neighbours;
+mod pilot;
+mod problem;
+mod settings;
+pub mod steering;
+pub mod terms;
+mod vector;
+
+pub use field::{Expected, Obstacle};
+pub use flock::{Decision, Flock, FlockSettings};
+pub use settings::{
+    AltitudeLaw, ControllerSettings, LawSettings, LookAheadSettings, ObstacleRule, WeightKind, WeightSettings,
+};
+pub use vector::Vec2;

@@ -1,0 +1,133 @@
+//! Eq. 2: from the control demand to the inputs of the three autopilots, bounded by what they can fly.
+
+use crate::vector::Vec2;
+use crate::{AltitudeLaw, LawSettings, terms};
+use flight_model::{Dynamics, State};
+
+/// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
+const PRINTED_ALTITUDE_PERIOD_MAX_S: f64 = 0.2;
+
+/// Greatest course change that one command may ask, rad. Below half a turn, so that the short way round is the way meant.
+const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
+
+/// Greatest turn within one control period, rad: what the look-ahead's sine and cosine take.
+const TURN_MAX_RAD: f64 = 1.5;
+
+/// Turns demands into commands for one kind of vehicle at one control period.
+#[derive(Clone, Copy, Debug)]
+pub struct Commander {
+    pub speed_time_constant_s: f64,
+    pub speed_min_mps: f64,
+    pub speed_max_mps: f64,
+    /// Greatest course change asked at any speed, rad.
+    pub course_change_max_rad: f64,
+    /// Greatest course change asked, times speed, rad m/s: beyond it the autopilot's turn rate would be at its limit.
+    pub course_change_speed_max: f64,
+    altitude_time_constants_s: (f64, f64),
+    printed_altitude: bool,
+}
+
+impl Commander {
+    pub fn new(law: &LawSettings, dynamics: &Dynamics, control_period_s: f64) -> Self {
+        let (tau, limits) = (dynamics.time_constants, dynamics.limits);
+        let turned = 1.0 - libm::exp(-control_period_s / tau.course_s);
+        Self {
+            speed_time_constant_s: tau.speed_s,
+            speed_min_mps: limits.speed_min_mps,
+            speed_max_mps: limits.speed_max_mps,
+            course_change_max_rad: COURSE_CHANGE_MAX_RAD.min(TURN_MAX_RAD / turned),
+            course_change_speed_max: tau.course_s * limits.lateral_acceleration_max_mps2(),
+            altitude_time_constants_s: (tau.altitude_a_s, tau.altitude_b_s),
+            printed_altitude: match law.altitude_law {
+                AltitudeLaw::Auto => control_period_s <= PRINTED_ALTITUDE_PERIOD_MAX_S,
+                AltitudeLaw::Printed => true,
+                AltitudeLaw::Hold => false,
+            },
+        }
+    }
+
+    /// Speed setpoint (m/s) and course change (rad) for a horizontal demand (m/s2), first two lines of Eq. 2.
+    ///
+    /// The course line uses tau_V as printed (reading 4). The demand is bounded to the speeds of the vehicle and to the
+    /// course change whose turn rate it can fly (reading 7), so prediction and vehicle never meet their limits.
+    pub fn horizontal(&self, demand_mps2: Vec2, speed_mps: f64, heading: Vec2) -> (f64, f64) {
+        let along_mps2 = demand_mps2.dot(heading);
+        let across_mps2 = heading.cross(demand_mps2);
+        let turning_speed_mps = speed_mps.max(self.speed_min_mps);
+        let bound_rad = self.course_change_max_rad.min(self.course_change_speed_max / turning_speed_mps);
+        (
+            (speed_mps + self.speed_time_constant_s * along_mps2).clamp(self.speed_min_mps, self.speed_max_mps),
+            (self.speed_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad),
+        )
+    }
+
+    /// Altitude setpoint, m: the third line of Eq. 2 with Eq. 9-10 where that settles, else h_e itself (reading 5).
+    pub fn altitude_m(&self, law: &LawSettings, expected_altitude_m: f64, state: &State) -> f64 {
+        if !self.printed_altitude {
+            return expected_altitude_m;
+        }
+        let (a_s, b_s) = self.altitude_time_constants_s;
+        let demand_mps2 = terms::vertical(law, expected_altitude_m, state.altitude_m, state.climb_mps);
+        state.altitude_m + (a_s + b_s) * state.climb_mps + a_s * b_s * demand_mps2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flight_model::{Autopilot, Setpoint};
+
+    /// (overshoot as a share of the step, error at the end) of an altitude step flown at a control period.
+    fn altitude_step(law: AltitudeLaw, control_period_s: f64, start_m: f64) -> (f64, f64) {
+        let law = LawSettings { altitude_law: law, ..LawSettings::default() };
+        let dynamics = Dynamics::default();
+        let commander = Commander::new(&law, &dynamics, control_period_s);
+        let autopilot = Autopilot::new(&dynamics, 0.01);
+        let mut state = State { altitude_m: start_m, speed_mps: 10.0, ..State::default() };
+        let (mut overshoot, mut worst_late) = (0.0_f64, 0.0_f64);
+        for tick in 0..(60.0 / control_period_s) as usize {
+            let setpoint = Setpoint { altitude_m: commander.altitude_m(&law, 50.0, &state), ..state.hold() };
+            for _ in 0..(control_period_s / 0.01).round() as usize {
+                state = autopilot.step(&state, &setpoint);
+                overshoot = overshoot.max((state.altitude_m - 50.0) / (50.0 - start_m));
+                if tick as f64 * control_period_s > 40.0 {
+                    worst_late = worst_late.max((state.altitude_m - 50.0).abs());
+                }
+            }
+        }
+        (overshoot, worst_late)
+    }
+
+    #[test]
+    fn altitude_settles_at_any_control_period() {
+        for period_s in [0.02, 0.05, 0.1, 0.2, 0.25, 0.5, 1.0, 2.0] {
+            for start_m in [30.0, 45.0, 49.0, 50.5, 60.0, 70.0] {
+                let (overshoot, late_m) = altitude_step(AltitudeLaw::Auto, period_s, start_m);
+                assert!(overshoot <= 0.05, "{period_s} s from {start_m} m: overshoot {overshoot}");
+                assert!(late_m < 0.01, "{period_s} s from {start_m} m: still {late_m} m off");
+            }
+        }
+    }
+
+    #[test]
+    fn the_printed_altitude_law_never_settles_at_the_papers_period() {
+        let (_, late_m) = altitude_step(AltitudeLaw::Printed, 0.5, 45.0);
+        assert!(late_m > 0.3, "reading 5 says a limit cycle, got {late_m} m");
+    }
+
+    #[test]
+    fn demands_are_bounded_by_what_the_vehicle_flies() {
+        let commander = Commander::new(&LawSettings::default(), &Dynamics::default(), 0.5);
+        let (speed_mps, change_rad) = commander.horizontal(Vec2::new(1e5, 1e5), 10.0, Vec2::new(1.0, 0.0));
+        assert_eq!(speed_mps, 15.0);
+        assert!(change_rad > 2.0 && change_rad < std::f64::consts::PI);
+    }
+
+    #[test]
+    fn the_course_line_uses_tau_v_as_printed() {
+        let commander = Commander::new(&LawSettings::default(), &Dynamics::default(), 0.5);
+        let (speed_mps, change_rad) = commander.horizontal(Vec2::new(0.5, 2.0), 8.0, Vec2::new(1.0, 0.0));
+        assert_eq!(speed_mps, 8.5);
+        assert_eq!(change_rad, 1.0 * 2.0 / 8.0);
+    }
+}

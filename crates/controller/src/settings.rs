@@ -1,0 +1,148 @@
+//! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as default.
+
+use serde::Deserialize;
+use thiserror::Error;
+
+/// All that the controller can be asked to do differently.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ControllerSettings {
+    /// The six control terms.
+    pub law: LawSettings,
+    /// The weights that the optimiser picks.
+    pub weights: WeightSettings,
+    /// The predicted flight on which a choice of weights is judged.
+    pub look_ahead: LookAheadSettings,
+}
+
+/// The flocking law (Eq. 4-10) and its costs (Eq. 11-12).
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LawSettings {
+    /// C_f of Eq. 5, 1/s2.
+    pub formation_gain: f64,
+    /// C_c of Eq. 6, m3/s2.
+    pub collision_gain: f64,
+    /// C_o of Eq. 7, 1/s.
+    pub obstacle_gain: f64,
+    /// C_nv of Eq. 8, 1/s.
+    pub neighbour_velocity_gain: f64,
+    /// C_ev of Eq. 9, 1/s.
+    pub vertical_velocity_gain: f64,
+    /// C_eh of Eq. 10, 1/s2.
+    pub altitude_gain: f64,
+    /// D_c: neighbours within this horizontal distance act (Eq. 5, 8, 12).
+    pub communication_distance_m: f64,
+    /// D_d: the horizontal distance that the formation wants (Eq. 5, 12).
+    pub desired_distance_m: f64,
+    /// D_s: below this horizontal distance the collision term acts (Eq. 6), and separation counts as lost.
+    pub safe_distance_m: f64,
+    /// Obstacles are perceived up to this distance of their edge.
+    pub perception_distance_m: f64,
+    /// Which perceived obstacle steers (reading 8).
+    pub obstacle_rule: ObstacleRule,
+    /// The steering obstacle's radius is inflated by this much (reading 8).
+    pub obstacle_margin_m: f64,
+    /// l of Eq. 12.
+    pub influence_factor: f64,
+    /// How altitude is commanded (reading 5).
+    pub altitude_law: AltitudeLaw,
+}
+
+/// Which obstacle gives the desired avoidance course delta of Eq. 7 (reading 8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ObstacleRule {
+    /// The nearest detected one that blocks the corridor along the expected course.
+    Blocking,
+    /// The nearest detected one, whether in the way or not: the letter of Eq. 7.
+    Nearest,
+}
+
+/// How the altitude setpoint is made (reading 5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AltitudeLaw {
+    /// As printed where that settles (control periods up to 0.2 s), else the altitude-hold loop's own.
+    Auto,
+    /// Eq. 2, 9 and 10 as printed.
+    Printed,
+    /// h_e is handed to the altitude-hold loop, which settles at any period.
+    Hold,
+}
+
+/// The weight factor alpha of Eq. 5, 7, 8 (reading 9).
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WeightSettings {
+    /// One alpha for all three terms, or one for each.
+    pub kind: WeightKind,
+    /// Least alpha.
+    pub min: f64,
+    /// Greatest alpha.
+    pub max: f64,
+}
+
+/// Whether the terms share one alpha.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WeightKind {
+    /// One alpha: the letter of Eq. 5, 7 and 8.
+    Shared,
+    /// alpha_f, alpha_o and alpha_nv.
+    PerTerm,
+}
+
+/// The prediction on which constraints and costs are judged (reading 11).
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LookAheadSettings {
+    /// Constraints are judged over this much predicted flight, s; never less than one control period.
+    pub horizon_s: f64,
+    /// Least distance to any neighbour that satisfies the separation constraint, m.
+    pub separation_m: f64,
+    /// Least distance to any obstacle's edge that satisfies the clearance constraint, m.
+    pub clearance_m: f64,
+    /// At most this many neighbours, the nearest, enter a prediction.
+    pub neighbours_max: usize,
+}
+
+impl Default for LawSettings {
+    fn default() -> Self {
+        Self {
+            formation_gain: 0.2,
+            collision_gain: 1e5,
+            obstacle_gain: 2.0,
+            neighbour_velocity_gain: 0.2,
+            vertical_velocity_gain: 8.0,
+            altitude_gain: 20.0,
+            communication_distance_m: 10.0,
+            desired_distance_m: 10.0,
+            safe_distance_m: 2.0,
+            perception_distance_m: 120.0,
+            obstacle_rule: ObstacleRule::Blocking,
+            obstacle_margin_m: 3.0,
+            influence_factor: 1.0,
+            altitude_law: AltitudeLaw::Auto,
+        }
+    }
+}
+
+impl Default for WeightSettings {
+    fn default() -> Self {
+        Self { kind: WeightKind::PerTerm, min: 0.0, max: 3.0 }
+    }
+}
+
+impl Default for LookAheadSettings {
+    fn default() -> Self {
+        Self { horizon_s: 3.0, separation_m: 3.0, clearance_m: 1.0, neighbours_max: 16 }
+    }
+}
+
+impl LookAheadSettings {
+    /// Control periods in the horizon, at least one.
+    pub fn steps(&self, control_period_s: f64) -> usize {
+        ((self.horizon_s / control_period_s).round() as usize).max(1)
+    }
+}
