@@ -1,0 +1,182 @@
+//! The archive A: the Pareto front of everything offered to it so far.
+
+use std::cmp::Ordering;
+
+use crate::crowding::Crowding;
+use crate::dominance::{Costs, compare};
+use crate::optimizer::FrontBuffer;
+use crate::problem::Candidates;
+
+/// Mutually non-dominated candidates without duplicates in costs (the first offered stays), in lexicographic order.
+///
+/// A member leaves for one of two reasons: a candidate was offered that dominates it, or the archive grew beyond its
+/// capacity. Then the most crowded leave (Eq. 17, measured once; ties: the last in order), but never the one that is best in
+/// an objective. With a capacity of at least the number of candidates offered, the archive is exact.
+#[derive(Clone, Debug, Default)]
+pub struct Archive {
+    dimensions: usize,
+    objectives: usize,
+    capacity: usize,
+    violation: f64,
+    /// Objectives, then coordinates of one member after another; a row is a member's as long as it is in `order`.
+    rows: Vec<f64>,
+    free: Vec<u32>,
+    /// The members' rows in lexicographic order, and where the next such order is made.
+    order: Vec<u32>,
+    merged: Vec<u32>,
+    crowding: Crowding,
+    by_crowding: Vec<u32>,
+}
+
+impl Archive {
+    /// Empties it for a problem, to hold up to `capacity` members after an offer of at most `offered` at a time. Fewer
+    /// than two members for each objective cannot be asked for: that many are ends of the front.
+    pub fn clear(&mut self, dimensions: usize, objectives: usize, capacity: usize, offered: usize) {
+        self.dimensions = dimensions;
+        self.objectives = objectives;
+        self.capacity = capacity.max(2 * objectives);
+        let most = self.capacity + offered;
+        self.rows.clear();
+        self.rows.reserve(most * self.row_len());
+        for buffer in [&mut self.free, &mut self.order, &mut self.merged, &mut self.by_crowding] {
+            buffer.clear();
+            buffer.reserve(most);
+        }
+        self.crowding.reserve(most);
+    }
+
+    /// Takes over whatever the archive does not dominate or hold already, and drops what that dominates.
+    ///
+    /// `front` is a front as [`crate::dominance::NonDominatedSort`] makes it: mutually non-dominated, in lexicographic
+    /// order. A front that violates infinitely is refused.
+    pub fn offer(&mut self, candidates: &Candidates<'_>, costs: &Costs<'_>, front: &[u32]) {
+        let Some(&first) = front.first() else { return };
+        let violation = costs.violation()[first as usize];
+        match compare(violation, if self.is_empty() { f64::INFINITY } else { self.violation }) {
+            Ordering::Less => self.free.append(&mut self.order),
+            Ordering::Equal if violation < f64::INFINITY => {}
+            _ => return,
+        }
+        self.violation = violation;
+        self.merge(candidates, costs, front);
+        if self.len() > self.capacity {
+            self.thin();
+        }
+    }
+
+    /// Merges two fronts that are both in lexicographic order: nobody is dominated by who comes later.
+    fn merge(&mut self, candidates: &Candidates<'_>, costs: &Costs<'_>, front: &[u32]) {
+        let (mut old, mut new) = (0, 0);
+        loop {
+            let member = self.order.get(old).copied();
+            let candidate = front.get(new).map(|&candidate| candidate as usize);
+            let take_member = match (member, candidate) {
+                (None, None) => break,
+                (Some(_), None) => true,
+                (None, Some(_)) => false,
+                (Some(row), Some(candidate)) => {
+                    let order = (0..self.objectives)
+                        .map(|k| compare(self.cost(row, k), costs.cost(candidate, k)))
+                        .fold(Ordering::Equal, Ordering::then);
+                    order.is_le()
+                }
+            };
+            if take_member {
+                old += 1;
+                if let Some(row) = member {
+                    if self.is_covered(|k| self.cost(row, k)) { self.free.push(row) } else { self.merged.push(row) }
+                }
+            } else {
+                new += 1;
+                if let Some(candidate) = candidate
+                    && !self.is_covered(|k| costs.cost(candidate, k))
+                {
+                    let row = self.store(candidates, costs, candidate);
+                    self.merged.push(row);
+                }
+            }
+        }
+        std::mem::swap(&mut self.order, &mut self.merged);
+        self.merged.clear();
+    }
+
+    /// Whether someone merged so far is at least as good in every objective. With two objectives the last one is the best
+    /// in the second, and nobody merged is worse in the first.
+    fn is_covered(&self, cost: impl Fn(usize) -> f64) -> bool {
+        let covers = |&row: &u32| (0..self.objectives).all(|k| self.cost(row, k) <= cost(k));
+        match self.merged.last() {
+            Some(last) if self.objectives <= 2 => covers(last),
+            _ => self.merged.iter().any(covers),
+        }
+    }
+
+    fn store(&mut self, candidates: &Candidates<'_>, costs: &Costs<'_>, candidate: usize) -> u32 {
+        let row_len = self.row_len();
+        let row = self.free.pop().unwrap_or_else(|| {
+            self.rows.resize(self.rows.len() + row_len, 0.0);
+            (self.rows.len() / row_len - 1) as u32
+        });
+        let (objectives, coordinates) = self.rows[row as usize * row_len..][..row_len].split_at_mut(self.objectives);
+        for (k, objective) in objectives.iter_mut().enumerate() {
+            *objective = costs.cost(candidate, k);
+        }
+        for (dimension, coordinate) in coordinates.iter_mut().enumerate() {
+            *coordinate = candidates.coordinate(dimension)[candidate];
+        }
+        row
+    }
+
+    /// Drops the most crowded members until as many are left as the capacity.
+    fn thin(&mut self) {
+        let excess = self.order.len() - self.capacity;
+        let (rows, order, row_len) = (&self.rows, &self.order, self.row_len());
+        let distances =
+            self.crowding.distances(order.len(), self.objectives, |i, k| rows[order[i] as usize * row_len + k]);
+        self.by_crowding.clear();
+        self.by_crowding.extend(0..order.len() as u32);
+        self.by_crowding.select_nth_unstable_by(excess - 1, |&a, &b| {
+            distances[a as usize].total_cmp(&distances[b as usize]).then(b.cmp(&a))
+        });
+        for &crowded in &self.by_crowding[..excess] {
+            self.free.push(std::mem::replace(&mut self.order[crowded as usize], DROPPED));
+        }
+        self.order.retain(|&row| row != DROPPED);
+    }
+
+    /// The number of members.
+    pub fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Whether nothing has been taken yet.
+    pub fn is_empty(&self) -> bool {
+        self.order.is_empty()
+    }
+
+    /// One member's coordinates. Panics if there is no such member, as an index does.
+    pub fn member(&self, member: usize) -> &[f64] {
+        &self.rows[self.order[member] as usize * self.row_len()..][self.objectives..self.row_len()]
+    }
+
+    /// Copies the members into a front.
+    pub fn write(&self, front: &mut FrontBuffer) {
+        front.fill(
+            self.len(),
+            self.dimensions,
+            self.objectives,
+            |i, d| self.member(i)[d],
+            |i, k| self.cost(self.order[i], k),
+            |_| self.violation,
+        );
+    }
+
+    fn row_len(&self) -> usize {
+        self.objectives + self.dimensions
+    }
+
+    fn cost(&self, row: u32, objective: usize) -> f64 {
+        self.rows[row as usize * self.row_len() + objective]
+    }
+}
+
+const DROPPED: u32 = u32::MAX;

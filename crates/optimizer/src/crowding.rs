@@ -1,0 +1,52 @@
+//! The crowding distance (Eq. 17): how far apart a front member's neighbours are.
+
+use crate::dominance::compare;
+
+/// Computes crowding distances. Keeps its buffers.
+#[derive(Clone, Debug, Default)]
+pub struct Crowding {
+    order: Vec<u32>,
+    distances: Vec<f64>,
+}
+
+impl Crowding {
+    /// Makes room for fronts of up to `members`, so that they allocate nothing.
+    pub fn reserve(&mut self, members: usize) {
+        self.order.clear();
+        self.order.reserve(members);
+        self.distances.clear();
+        self.distances.reserve(members);
+    }
+
+    /// The crowding distance of every member of one front, where `cost(i, k)` is objective `k` of member `i`.
+    ///
+    /// Eq. 17, summed over the objectives: the gap between a member's two neighbours, as a fraction of the front's range.
+    /// In each objective the first and the last are infinitely far from anyone (of equals, the first by index is first).
+    /// An objective in which all are equal, or whose range is not finite, adds nothing.
+    pub fn distances(&mut self, members: usize, objectives: usize, cost: impl Fn(usize, usize) -> f64) -> &[f64] {
+        self.distances.clear();
+        self.distances.resize(members, 0.0);
+        self.order.clear();
+        self.order.extend(0..members as u32);
+        for k in 0..objectives {
+            let cost = |member: u32| cost(member as usize, k);
+            self.order.sort_unstable_by(|&a, &b| compare(cost(a), cost(b)).then(a.cmp(&b)));
+            let (Some(&first), Some(&last)) = (self.order.first(), self.order.last()) else { break };
+            let range = half_gap(cost(last), cost(first));
+            if range > 0.0 && range.is_finite() {
+                for neighbours in self.order.windows(3) {
+                    self.distances[neighbours[1] as usize] +=
+                        half_gap(cost(neighbours[2]), cost(neighbours[0])) / range;
+                }
+            }
+            self.distances[first as usize] = f64::INFINITY;
+            self.distances[last as usize] = f64::INFINITY;
+        }
+        &self.distances
+    }
+}
+
+/// Half of `high - low`, which cannot overflow; in a quotient of two gaps the halves cancel.
+pub(crate) fn half_gap(high: f64, low: f64) -> f64 {
+    0.5 * high - 0.5 * low
+}

@@ -1,0 +1,302 @@
+//! Multi-objective social learning pigeon-inspired optimisation: Algorithm 1, Eq. 13 and 16-18 of Ruan and Duan.
+
+use rand::Rng;
+
+use crate::archive::Archive;
+use crate::crowding::Crowding;
+use crate::dominance::NonDominatedSort;
+use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer};
+use crate::population::{Population, keep_rows, uniform};
+use crate::problem::{Bounds, Problem};
+use crate::stream::Stream;
+
+/// The parameters of Algorithm 1. The defaults are the paper's where it gives one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MslpioSettings {
+    /// M of Eq. 13: pigeons, but for one more per five dimensions. At least 1. The paper: 50.
+    pub base_population: usize,
+    /// D of Eq. 13, c1 and c2, from 1 to `base_population`. The paper says 5 for its factor of fewer dimensions, so it is a
+    /// setting and not the problem's number of dimensions.
+    pub dimension_setting: usize,
+    /// The social coefficient a of c2, at least 0. The paper: 0.5.
+    pub social_coefficient: f64,
+    /// The map and compass factor R, from 0 to 1: how fast velocities decay. The paper: 0.3.
+    pub map_and_compass_factor: f64,
+    /// N_max. The paper: 20.
+    pub iterations: usize,
+    /// N_removed: pigeons that leave before each iteration, the worst by rank and crowding. At least one pigeon must be left
+    /// for the last iteration. The paper: 2.
+    pub removed_per_iteration: usize,
+    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0 to 1.
+    /// The paper gives none.
+    pub velocity_limit: f64,
+    /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it. See [`Archive`]
+    /// for who leaves.
+    pub archive_capacity: usize,
+}
+
+impl Default for MslpioSettings {
+    fn default() -> Self {
+        Self {
+            base_population: 50,
+            dimension_setting: 5,
+            social_coefficient: 0.5,
+            map_and_compass_factor: 0.3,
+            iterations: 20,
+            removed_per_iteration: 2,
+            velocity_limit: 0.2,
+            archive_capacity: 100,
+        }
+    }
+}
+
+/// A setting out of its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{setting} is {value}, which must be {range}")]
+pub struct SettingsError {
+    /// The field's name.
+    pub setting: &'static str,
+    /// What it was set to.
+    pub value: f64,
+    /// What it may be.
+    pub range: &'static str,
+}
+
+impl MslpioSettings {
+    /// Whether every setting is in its range.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let population_left =
+            self.iterations.checked_mul(self.removed_per_iteration).is_some_and(|removed| removed < self.population());
+        let checks = [
+            (
+                "base_population",
+                self.base_population as f64,
+                "from 1 to 1000000",
+                (1..=1_000_000).contains(&self.base_population),
+            ),
+            (
+                "dimension_setting",
+                self.dimension_setting as f64,
+                "from 1 to base_population",
+                (1..=self.base_population).contains(&self.dimension_setting),
+            ),
+            (
+                "social_coefficient",
+                self.social_coefficient,
+                "from 0 to 1000",
+                (0.0..=1000.0).contains(&self.social_coefficient),
+            ),
+            (
+                "map_and_compass_factor",
+                self.map_and_compass_factor,
+                "from 0 to 1",
+                (0.0..=1.0).contains(&self.map_and_compass_factor),
+            ),
+            (
+                "removed_per_iteration",
+                self.removed_per_iteration as f64,
+                "such that a pigeon is left for the last iteration",
+                population_left,
+            ),
+            (
+                "velocity_limit",
+                self.velocity_limit,
+                "above 0 and at most 1",
+                self.velocity_limit > 0.0 && self.velocity_limit <= 1.0,
+            ),
+            (
+                "archive_capacity",
+                self.archive_capacity as f64,
+                "from 1 to 1000000",
+                (1..=1_000_000).contains(&self.archive_capacity),
+            ),
+        ];
+        match checks.into_iter().find(|&(.., valid)| !valid) {
+            Some((setting, value, range, _)) => Err(SettingsError { setting, value, range }),
+            None => Ok(()),
+        }
+    }
+
+    /// N of Eq. 13, the pigeons of the first generation.
+    pub fn population(&self) -> usize {
+        self.base_population + self.dimension_setting / 5
+    }
+
+    /// How many candidates a solve evaluates.
+    pub fn evaluations(&self) -> usize {
+        (0..=self.iterations).map(|nc| self.population() - nc * self.removed_per_iteration).sum()
+    }
+
+    /// c1 of Eq. 18, how strongly a pigeon learns from its model: 1 - ln(D/M).
+    pub fn learning_factor(&self) -> f64 {
+        1.0 - libm::log(self.dimension_setting as f64 / self.base_population as f64)
+    }
+
+    /// c2 of Eq. 18, how strongly a pigeon is drawn to the centre: a D/M.
+    pub fn social_influence_factor(&self) -> f64 {
+        self.social_coefficient * (self.dimension_setting as f64 / self.base_population as f64)
+    }
+}
+
+/// The optimiser. Where Algorithm 1 leaves a choice: X_model is drawn for each pigeon uniformly from the archive A, X_center
+/// is the mean of the current generation's Pareto front, `rand` is drawn for each pigeon, term and dimension uniformly from
+/// [0, 1), the N_removed worst by (rank, crowding, index) leave before each update, and the front returned is A.
+#[derive(Clone, Debug)]
+pub struct Mslpio {
+    settings: MslpioSettings,
+    seeds: Vec<f64>,
+    swarm: Population,
+    velocities: Vec<f64>,
+    sort: NonDominatedSort,
+    crowding: Crowding,
+    archive: Archive,
+    center: Vec<f64>,
+    models: Vec<u32>,
+    survivors: Vec<u32>,
+    front: FrontBuffer,
+}
+
+impl Mslpio {
+    /// An optimiser with these settings.
+    pub fn new(settings: MslpioSettings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self {
+            settings,
+            seeds: Vec::new(),
+            swarm: Population::default(),
+            velocities: Vec::new(),
+            sort: NonDominatedSort::default(),
+            crowding: Crowding::default(),
+            archive: Archive::default(),
+            center: Vec::new(),
+            models: Vec::new(),
+            survivors: Vec::new(),
+            front: FrontBuffer::default(),
+        })
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> &MslpioSettings {
+        &self.settings
+    }
+
+    /// Algorithm 1, "Pigeon initialization": uniform positions within the bounds and velocities within their limits.
+    fn initialise(&mut self, problem: &dyn Problem, rng: &mut Stream) -> Result<(), OptimizeError> {
+        let pigeons = self.settings.population();
+        let started = self.swarm.start(pigeons, problem, &self.seeds, rng);
+        self.seeds.clear();
+        started?;
+        self.velocities.clear();
+        for bounds in problem.bounds() {
+            let limit = self.settings.velocity_limit * bounds.range();
+            self.velocities.extend((0..pigeons).map(|_| limit * (2.0 * uniform(rng.next_u32()) - 1.0)));
+        }
+        let (dimensions, objectives) = (self.swarm.dimensions(), self.swarm.objectives());
+        self.sort.reserve(pigeons);
+        self.crowding.reserve(pigeons);
+        self.archive.clear(dimensions, objectives, self.settings.archive_capacity, pigeons);
+        self.front.reserve(self.settings.archive_capacity, dimensions, objectives);
+        Ok(())
+    }
+
+    /// Lines 3 to 6: costs, Pareto sorting, X_center of Eq. 15 over the Pareto front, and the Pareto front into A.
+    fn judge(&mut self, problem: &mut dyn Problem) {
+        self.swarm.evaluate(problem);
+        self.sort.sort(&self.swarm.costs());
+        let pareto_front = self.sort.front(0);
+        self.center.clear();
+        for dimension in 0..self.swarm.dimensions() {
+            let coordinate = self.swarm.coordinate(dimension);
+            let sum: f64 = pareto_front.iter().map(|&pigeon| coordinate[pigeon as usize]).sum();
+            self.center.push(sum / pareto_front.len() as f64);
+        }
+        self.archive.offer(&self.swarm.candidates(), &self.swarm.costs(), pareto_front);
+    }
+
+    /// Eq. 18, first line: the worst pigeons leave, by rank and, within the last front to be touched, crowding (Eq. 17).
+    fn remove_worst(&mut self) {
+        let mut leaving = self.settings.removed_per_iteration;
+        let costs = self.swarm.costs();
+        self.survivors.clear();
+        self.survivors.extend(0..self.swarm.len() as u32);
+        for rank in (0..self.sort.fronts()).rev() {
+            let front = self.sort.front(rank);
+            if leaving == 0 {
+                break;
+            }
+            if front.len() <= leaving {
+                front.iter().for_each(|&pigeon| self.survivors[pigeon as usize] = LEFT);
+                leaving -= front.len();
+                continue;
+            }
+            let distances =
+                self.crowding.distances(front.len(), costs.objectives(), |i, k| costs.cost(front[i] as usize, k));
+            for _ in 0..leaving {
+                let worst = (0..front.len())
+                    .filter(|&member| self.survivors[front[member] as usize] != LEFT)
+                    .min_by(|&a, &b| distances[a].total_cmp(&distances[b]).then(front[b].cmp(&front[a])));
+                if let Some(member) = worst {
+                    self.survivors[front[member] as usize] = LEFT;
+                }
+            }
+            leaving = 0;
+        }
+        self.survivors.retain(|&pigeon| pigeon != LEFT);
+        keep_rows(&mut self.velocities, self.swarm.len(), &self.survivors);
+        self.swarm.keep(&self.survivors);
+    }
+
+    /// Eq. 18, second and third line, clamped to the limits (Step 2).
+    fn fly(&mut self, nc: usize, bounds: &[Bounds], rng: &mut Stream) {
+        let pigeons = self.swarm.len();
+        let decay = libm::exp(-self.settings.map_and_compass_factor * nc as f64);
+        let (c1, c2) = (self.settings.learning_factor(), self.settings.social_influence_factor());
+        self.models.clear();
+        self.models.extend((0..pigeons).map(|_| pick(self.archive.len(), rng.next_u32())));
+        for (dimension, bounds) in bounds.iter().enumerate() {
+            let limit = self.settings.velocity_limit * bounds.range();
+            let x_center = self.center[dimension];
+            let velocities = &mut self.velocities[dimension * pigeons..][..pigeons];
+            let positions = self.swarm.coordinate_mut(dimension);
+            for ((x, v), &model) in positions.iter_mut().zip(velocities).zip(&self.models) {
+                let x_model = self.archive.member(model as usize)[dimension];
+                let (learning, social) = (uniform(rng.next_u32()) * c1, uniform(rng.next_u32()) * c2);
+                *v = (*v * decay + learning * (x_model - *x) + social * (x_center - *x)).max(-limit).min(limit);
+                *x = bounds.clamp(*x + *v);
+            }
+        }
+    }
+}
+
+impl Optimizer for Mslpio {
+    fn name(&self) -> &'static str {
+        "MSLPIO"
+    }
+
+    fn seed_candidates(&mut self, positions: &[f64]) {
+        self.seeds.clear();
+        self.seeds.extend_from_slice(positions);
+    }
+
+    fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
+        self.initialise(problem, rng)?;
+        self.judge(problem);
+        if self.archive.is_empty() {
+            return Err(OptimizeError::NoFiniteCandidate);
+        }
+        for nc in 1..=self.settings.iterations {
+            self.remove_worst();
+            self.fly(nc, problem.bounds(), rng);
+            self.judge(problem);
+        }
+        self.archive.write(&mut self.front);
+        Ok(self.front.front())
+    }
+}
+
+const LEFT: u32 = u32::MAX;
+
+/// One of `count` by 32 random bits; uneven by less than `count` in 2^32.
+fn pick(count: usize, bits: u32) -> u32 {
+    ((u64::from(bits) * count as u64) >> 32) as u32
+}

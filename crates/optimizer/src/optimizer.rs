@@ -1,0 +1,172 @@
+//! What every optimiser here does, and what it hands back.
+
+use crate::problem::Problem;
+use crate::stream::Stream;
+
+/// A multi-objective optimiser. It keeps its buffers between solves, so one per thread is made once and used again.
+pub trait Optimizer: Send {
+    /// What reports call it.
+    fn name(&self) -> &'static str;
+
+    /// Candidates for the next solve to start from, coordinate after coordinate of one candidate after another. They
+    /// replace as many of its first random candidates, clamped to the bounds; those beyond its population are left out.
+    /// One solve uses them up, whether it succeeds or not.
+    fn seed_candidates(&mut self, positions: &[f64]);
+
+    /// Minimises every objective of a problem. The front stays readable until the next call.
+    ///
+    /// A candidate with an objective or a violation that is not finite is refused, as if it violated infinitely: it never
+    /// enters the front.
+    ///
+    /// # Errors
+    /// The problem or the seeds make no sense, or every candidate of the first generation is refused.
+    fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError>;
+}
+
+/// Why a problem cannot be optimised.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum OptimizeError {
+    /// Nothing to search.
+    #[error("the problem has no dimensions")]
+    NoDimensions,
+    /// Nothing to minimise.
+    #[error("the problem has no objectives")]
+    NoObjectives,
+    /// An interval is empty, or an end or its length is not finite.
+    #[error("dimension {dimension} cannot be searched from {lower} to {upper}")]
+    InvalidBounds {
+        /// Which one, counted from 0.
+        dimension: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+    /// The seeds do not divide into candidates.
+    #[error("{coordinates} seed coordinates do not make whole candidates of {dimensions}")]
+    SeedLength {
+        /// How many were given.
+        coordinates: usize,
+        /// The problem's dimensions.
+        dimensions: usize,
+    },
+    /// A seed is NaN or infinite.
+    #[error("a seed coordinate is not a finite number")]
+    SeedNotFinite,
+    /// No candidate of the first generation has finite objectives and a finite violation.
+    #[error("no candidate of the first generation has finite objectives and a finite violation")]
+    NoFiniteCandidate,
+}
+
+/// Candidates of which none dominates another, in lexicographic order of their costs. They violate the constraints
+/// equally: by 0 if any feasible candidate was found. Indices out of range panic, as an index does.
+#[derive(Clone, Copy, Debug)]
+pub struct Front<'a> {
+    buffer: &'a FrontBuffer,
+}
+
+impl<'a> Front<'a> {
+    /// The number of members; an optimiser's front has at least one.
+    pub fn len(&self) -> usize {
+        self.buffer.violation.len()
+    }
+
+    /// Whether there are no members.
+    pub fn is_empty(&self) -> bool {
+        self.buffer.violation.is_empty()
+    }
+
+    /// The number of dimensions.
+    pub fn dimensions(&self) -> usize {
+        self.buffer.dimensions
+    }
+
+    /// The number of objectives.
+    pub fn objectives(&self) -> usize {
+        self.buffer.ideal.len()
+    }
+
+    /// Coordinate `dimension` of one member.
+    pub fn position(&self, member: usize, dimension: usize) -> f64 {
+        self.coordinate(dimension)[member]
+    }
+
+    /// Coordinate `dimension` of every member.
+    pub fn coordinate(&self, dimension: usize) -> &'a [f64] {
+        &self.buffer.positions[dimension * self.len()..][..self.len()]
+    }
+
+    /// Objective `objective` of every member.
+    pub fn objective(&self, objective: usize) -> &'a [f64] {
+        &self.buffer.objectives[objective * self.len()..][..self.len()]
+    }
+
+    /// The total constraint violation of every member.
+    pub fn violation(&self) -> &'a [f64] {
+        &self.buffer.violation
+    }
+
+    /// The least value of each objective in the front.
+    pub fn ideal(&self) -> &'a [f64] {
+        &self.buffer.ideal
+    }
+
+    /// The greatest value of each objective in the front.
+    pub fn nadir(&self) -> &'a [f64] {
+        &self.buffer.nadir
+    }
+}
+
+/// The columns that a [`Front`] reads.
+#[derive(Clone, Debug, Default)]
+pub struct FrontBuffer {
+    dimensions: usize,
+    positions: Vec<f64>,
+    objectives: Vec<f64>,
+    violation: Vec<f64>,
+    ideal: Vec<f64>,
+    nadir: Vec<f64>,
+}
+
+impl FrontBuffer {
+    /// Makes room for `members`, so that filling it with up to so many allocates nothing.
+    pub fn reserve(&mut self, members: usize, dimensions: usize, objectives: usize) {
+        self.fill(0, dimensions, objectives, |_, _| 0.0, |_, _| 0.0, |_| 0.0);
+        self.positions.reserve(members * dimensions);
+        self.objectives.reserve(members * objectives);
+        self.violation.reserve(members);
+    }
+
+    /// Takes over `members` of a front: `position(i, d)`, `cost(i, k)` and `violation(i)` of each.
+    pub fn fill(
+        &mut self,
+        members: usize,
+        dimensions: usize,
+        objectives: usize,
+        position: impl Fn(usize, usize) -> f64,
+        cost: impl Fn(usize, usize) -> f64,
+        violation: impl Fn(usize) -> f64,
+    ) {
+        self.dimensions = dimensions;
+        self.positions.clear();
+        for dimension in 0..dimensions {
+            self.positions.extend((0..members).map(|member| position(member, dimension)));
+        }
+        self.objectives.clear();
+        self.ideal.clear();
+        self.nadir.clear();
+        for objective in 0..objectives {
+            let costs = (0..members).map(|member| cost(member, objective));
+            self.ideal.push(costs.clone().fold(f64::INFINITY, f64::min));
+            self.nadir.push(costs.clone().fold(f64::NEG_INFINITY, f64::max));
+            self.objectives.extend(costs);
+        }
+        self.violation.clear();
+        self.violation.extend((0..members).map(violation));
+    }
+
+    /// What it holds.
+    pub fn front(&self) -> Front<'_> {
+        Front { buffer: self }
+    }
+}

@@ -1,0 +1,139 @@
+//! The generation that an optimiser works on: positions, and what the problem says they cost.
+
+use rand::Rng;
+
+use crate::dominance::Costs;
+use crate::optimizer::OptimizeError;
+use crate::problem::{Bounds, Candidates, Evaluations, Problem};
+use crate::stream::Stream;
+
+/// Candidates and their costs, each table column after column. Keeps its buffers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Population {
+    len: usize,
+    dimensions: usize,
+    objectives: usize,
+    positions: Vec<f64>,
+    costs: Vec<f64>,
+    violation: Vec<f64>,
+}
+
+impl Population {
+    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then puts seeds in place of the first.
+    pub fn start(
+        &mut self,
+        len: usize,
+        problem: &dyn Problem,
+        seeds: &[f64],
+        rng: &mut Stream,
+    ) -> Result<(), OptimizeError> {
+        let bounds = problem.bounds();
+        check(bounds, problem.objectives(), seeds)?;
+        self.len = len;
+        self.dimensions = bounds.len();
+        self.objectives = problem.objectives();
+        self.positions.clear();
+        for bound in bounds {
+            self.positions.extend((0..len).map(|_| bound.clamp(bound.lower + uniform(rng.next_u32()) * bound.range())));
+        }
+        for (candidate, seed) in seeds.chunks_exact(bounds.len()).take(len).enumerate() {
+            for (dimension, (bound, &coordinate)) in bounds.iter().zip(seed).enumerate() {
+                self.positions[dimension * len + candidate] = bound.clamp(coordinate);
+            }
+        }
+        Ok(())
+    }
+
+    /// Has the problem judge every position. What it refuses costs infinitely much of everything.
+    pub fn evaluate(&mut self, problem: &mut dyn Problem) {
+        // NaN, not what the last generation left: an objective that the problem forgets is refused, not inherited.
+        self.costs.clear();
+        self.costs.resize(self.len * self.objectives, f64::NAN);
+        self.violation.clear();
+        self.violation.resize(self.len, 0.0);
+        problem.evaluate(
+            &Candidates::new(&self.positions, self.len),
+            &mut Evaluations::new(&mut self.costs, &mut self.violation),
+        );
+        for (candidate, violation) in self.violation.iter_mut().enumerate() {
+            let costs = || (0..self.objectives).map(|k| k * self.len + candidate);
+            if violation.is_finite() && costs().all(|cost| self.costs[cost].is_finite()) {
+                *violation = violation.max(0.0);
+            } else {
+                *violation = f64::INFINITY;
+                costs().for_each(|cost| self.costs[cost] = f64::INFINITY);
+            }
+        }
+    }
+
+    /// Drops every candidate but those, given in ascending order. Costs are void until the next evaluation.
+    pub fn keep(&mut self, survivors: &[u32]) {
+        keep_rows(&mut self.positions, self.len, survivors);
+        self.len = survivors.len();
+    }
+
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    pub fn objectives(&self) -> usize {
+        self.objectives
+    }
+
+    pub fn coordinate(&self, dimension: usize) -> &[f64] {
+        &self.positions[dimension * self.len..][..self.len]
+    }
+
+    pub fn coordinate_mut(&mut self, dimension: usize) -> &mut [f64] {
+        &mut self.positions[dimension * self.len..][..self.len]
+    }
+
+    pub fn candidates(&self) -> Candidates<'_> {
+        Candidates::new(&self.positions, self.len)
+    }
+
+    pub fn costs(&self) -> Costs<'_> {
+        Costs::new(&self.costs, &self.violation)
+    }
+}
+
+/// 32 random bits as a number in [0, 1). A step of 2^-32 is fine enough, and a draw is half a 64-bit one.
+pub(crate) fn uniform(bits: u32) -> f64 {
+    f64::from(bits) * (1.0 / 4_294_967_296.0)
+}
+
+/// Keeps some rows, given in ascending order, of a table kept column after column.
+pub(crate) fn keep_rows(table: &mut Vec<f64>, rows: usize, survivors: &[u32]) {
+    let mut kept = 0;
+    for start in (0..table.len()).step_by(rows.max(1)) {
+        for &survivor in survivors {
+            table[kept] = table[start + survivor as usize];
+            kept += 1;
+        }
+    }
+    table.truncate(kept);
+}
+
+fn check(bounds: &[Bounds], objectives: usize, seeds: &[f64]) -> Result<(), OptimizeError> {
+    if bounds.is_empty() {
+        return Err(OptimizeError::NoDimensions);
+    }
+    if objectives == 0 {
+        return Err(OptimizeError::NoObjectives);
+    }
+    if let Some((dimension, &Bounds { lower, upper })) = bounds.iter().enumerate().find(|(_, bound)| !bound.is_valid())
+    {
+        return Err(OptimizeError::InvalidBounds { dimension, lower, upper });
+    }
+    if !seeds.len().is_multiple_of(bounds.len()) {
+        return Err(OptimizeError::SeedLength { coordinates: seeds.len(), dimensions: bounds.len() });
+    }
+    if !seeds.iter().all(|coordinate| coordinate.is_finite()) {
+        return Err(OptimizeError::SeedNotFinite);
+    }
+    Ok(())
+}
