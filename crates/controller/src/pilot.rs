@@ -10,7 +10,7 @@ use crate::terms::{self, Neighbour};
 use crate::vector::Vec2;
 use crate::{Obstacle, WeightKind, steering};
 use flight_model::{Setpoint, State, wrap_pi};
-use optimizer::{Bounds, Mslpio, Optimizer, SettingsError, nearest_to_ideal, stream};
+use optimizer::{Bounds, Mslpio, Optimizer, SettingsError, selection::nearest_to_ideal, stream};
 use std::time::Duration;
 
 /// The flock around a vehicle at one tick.

@@ -1,7 +1,6 @@
 //! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as default.
 
 use serde::Deserialize;
-use thiserror::Error;
 
 /// All that the controller can be asked to do differently.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
