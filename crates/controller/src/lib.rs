@@ -14,13 +14,13 @@
 
 mod command;
 mod field;
+mod flights;
 mod flock;
 mod forecast;
-mod lanes;
 mod look_ahead;
 mod neighbours;
 mod pilot;
-mod problem;
+mod polynomial;
 mod settings;
 pub mod steering;
 pub mod terms;

@@ -1,11 +1,11 @@
 //! One vehicle's part of a tick: what it sees, the weights that MSLPIO picks for it, and the command that follows.
 
 use crate::command::Commander;
+use crate::flights::Flights;
 use crate::flock::{Decision, FlockSettings};
 use crate::forecast::{Forecast, Passage};
-use crate::look_ahead::{LookAhead, Scene};
+use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
-use crate::problem::WeightProblem;
 use crate::terms::{self, Neighbour};
 use crate::vector::Vec2;
 use crate::{Obstacle, WeightKind, steering};
@@ -32,6 +32,8 @@ pub struct Pilot {
     neighbours: Vec<Neighbour>,
     passages: Vec<Passage>,
     obstacles: Vec<Obstacle>,
+    close_obstacles: Vec<Obstacle>,
+    flights: Box<Flights>,
 }
 
 impl Pilot {
@@ -52,6 +54,8 @@ impl Pilot {
             neighbours: Vec::new(),
             passages: Vec::new(),
             obstacles: Vec::new(),
+            close_obstacles: Vec::new(),
+            flights: Box::new(Flights::new()),
         })
     }
 
@@ -93,13 +97,12 @@ impl Pilot {
             });
             self.passages.extend_from_slice(passages);
         }
+        let within =
+            |distance_m: f64| move |obstacle: &&Obstacle| obstacle.clearance_m(state.x_m, state.y_m) <= distance_m;
         self.obstacles.clear();
-        self.obstacles.extend(
-            settings
-                .obstacles
-                .iter()
-                .filter(|obstacle| obstacle.clearance_m(state.x_m, state.y_m) <= law.perception_distance_m + reach_m),
-        );
+        self.obstacles.extend(settings.obstacles.iter().filter(within(law.perception_distance_m + reach_m)));
+        self.close_obstacles.clear();
+        self.close_obstacles.extend(self.obstacles.iter().filter(within(look_ahead.clearance_m + reach_m)));
     }
 
     /// The weights that the optimiser picks, and whether they keep the constraints.
@@ -113,11 +116,13 @@ impl Pilot {
                 state,
                 expected: settings.expected,
                 obstacles: &self.obstacles,
+                close_obstacles: &self.close_obstacles,
                 detected: self.obstacles.iter().any(|obstacle| steering::detects(law, position_m, heading, obstacle)),
                 neighbours: &self.passages,
             },
             kind: settings.controller.weights.kind,
             bounds: &self.bounds,
+            flights: &mut self.flights,
         };
         let mut rng = stream(settings.seed, vehicle as u64, tick);
         let per_term = problem.kind == WeightKind::PerTerm;

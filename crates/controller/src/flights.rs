@@ -1,0 +1,306 @@
+//! A generation's pigeons in flight: one array for each quantity, one plain loop for each part of the law.
+//!
+//! Every loop runs over the pigeons and does the same to each without a branch or a call, so the compiler vectorises it.
+//! `terms.rs` and `steering.rs` say the same for one vehicle as one reads it; the tests hold the two together.
+
+use crate::command::Commander;
+use crate::forecast::Passage;
+use crate::polynomial::{ln, sincos};
+use crate::{Expected, LawSettings, Obstacle, ObstacleRule};
+use flight_model::State;
+
+/// Pigeons that fly together; a larger generation flies in several batches.
+pub const BATCH: usize = 64;
+
+type Each = [f64; BATCH];
+
+/// The vehicles of a batch, one for each pigeon, and what the law has summed up for them so far.
+pub struct Flights {
+    /// Pigeons in the batch, rounded up to full vectors: the last ones are computed and never read.
+    pub count: usize,
+    x: Each,
+    y: Each,
+    speed: Each,
+    cos: Each,
+    sin: Each,
+    vx: Each,
+    vy: Each,
+    middle_x: Each,
+    middle_y: Each,
+    formation_x: Each,
+    formation_y: Each,
+    collision_x: Each,
+    collision_y: Each,
+    velocity_x: Each,
+    velocity_y: Each,
+    /// Clearance and offset of the obstacle that steers, its inflated radius; clearance is infinite where none does.
+    least: Each,
+    to_x: Each,
+    to_y: Each,
+    inflated: Each,
+    pub cost_1: Each,
+    pub cost_2: Each,
+    pub violation_m: Each,
+}
+
+impl Flights {
+    pub const fn new() -> Self {
+        const ZERO: Each = [0.0; BATCH];
+        Self {
+            count: 0,
+            x: ZERO,
+            y: ZERO,
+            speed: ZERO,
+            cos: ZERO,
+            sin: ZERO,
+            vx: ZERO,
+            vy: ZERO,
+            middle_x: ZERO,
+            middle_y: ZERO,
+            formation_x: ZERO,
+            formation_y: ZERO,
+            collision_x: ZERO,
+            collision_y: ZERO,
+            velocity_x: ZERO,
+            velocity_y: ZERO,
+            least: ZERO,
+            to_x: ZERO,
+            to_y: ZERO,
+            inflated: ZERO,
+            cost_1: ZERO,
+            cost_2: ZERO,
+            violation_m: ZERO,
+        }
+    }
+
+    /// Puts `pigeons` vehicles at `state`, with no cost and no violation yet.
+    #[inline(always)]
+    pub fn start(&mut self, state: &State, pigeons: usize) {
+        self.count = pigeons.next_multiple_of(8).min(BATCH);
+        let (sin, cos) = libm::sincos(state.course_rad);
+        self.x.fill(state.x_m);
+        self.y.fill(state.y_m);
+        self.speed.fill(state.speed_mps);
+        self.cos.fill(cos);
+        self.sin.fill(sin);
+        self.vx.fill(state.speed_mps * cos);
+        self.vy.fill(state.speed_mps * sin);
+        self.cost_1.fill(0.0);
+        self.cost_2.fill(0.0);
+        self.violation_m.fill(0.0);
+    }
+
+    /// Forgets the terms of the last step.
+    #[inline(always)]
+    pub fn clear_terms(&mut self) {
+        for sum in [
+            &mut self.formation_x,
+            &mut self.formation_y,
+            &mut self.collision_x,
+            &mut self.collision_y,
+            &mut self.velocity_x,
+            &mut self.velocity_y,
+            &mut self.to_x,
+            &mut self.to_y,
+            &mut self.inflated,
+        ] {
+            sum.fill(0.0);
+        }
+        self.least.fill(f64::INFINITY);
+    }
+
+    /// Adds one neighbour's share of Eq. 5, 6 and 8 (without their gains) and, where `judged`, of Eq. 12.
+    #[inline(always)]
+    pub fn add_neighbour(&mut self, law: &LawSettings, there: &Passage, judged: bool) {
+        let (communication_m, safe_m, desired_m) =
+            (law.communication_distance_m, law.safe_distance_m, law.desired_distance_m);
+        let (per_desired_squared, per_safe) = (1.0 / (desired_m * desired_m), 1.0 / safe_m);
+        let pulls = communication_m > desired_m;
+        let influence = if judged { law.influence_factor } else { 0.0 };
+        for i in 0..self.count.min(BATCH) {
+            let (dx, dy) = (there.x_m - self.x[i], there.y_m - self.y[i]);
+            // Two vehicles in one place have no direction to part in: the floor keeps every quotient finite.
+            let squared = dx * dx + dy * dy;
+            let squared = if squared > 1e-12 { squared } else { 1e-12 };
+            let distance = squared.sqrt();
+            let near = if distance <= communication_m { 1.0 } else { 0.0 };
+
+            let pull = near * 0.5 * ln(squared * per_desired_squared);
+            self.formation_x[i] += dx * pull;
+            self.formation_y[i] += dy * pull;
+
+            let inverse = 1.0 / distance;
+            let closeness = inverse - per_safe;
+            let push = if distance <= safe_m { closeness * closeness * inverse } else { 0.0 };
+            self.collision_x[i] -= dx * push;
+            self.collision_y[i] -= dy * push;
+
+            let (dvx, dvy) = (there.vx_mps - self.vx[i], there.vy_mps - self.vy[i]);
+            self.velocity_x[i] += near * dvx;
+            self.velocity_y[i] += near * dvy;
+
+            let gap = desired_m - distance;
+            let gap = if pulls { gap.abs() } else { gap };
+            self.cost_2[i] += influence * near * (gap + dvx.abs() + dvy.abs());
+        }
+    }
+
+    /// Lets one obstacle steer the pigeons that detect it and whose way it blocks, where it is the nearest that does.
+    #[inline(always)]
+    pub fn offer_obstacle(&mut self, law: &LawSettings, expected: &Expected, obstacle: &Obstacle) {
+        let (ahead_x, ahead_y) = expected.direction();
+        let radius_m = obstacle.radius_m;
+        let inflated_m = radius_m + law.obstacle_margin_m;
+        let any = law.obstacle_rule == ObstacleRule::Nearest;
+        let perception_m = law.perception_distance_m;
+        for i in 0..self.count.min(BATCH) {
+            let (dx, dy) = (obstacle.x_m - self.x[i], obstacle.y_m - self.y[i]);
+            let clearance = (dx * dx + dy * dy).sqrt() - radius_m;
+            let detected = (clearance <= perception_m) & (dx * self.cos[i] + dy * self.sin[i] > -radius_m);
+            let along = dx * ahead_x + dy * ahead_y;
+            let across = (ahead_x * dy - ahead_y * dx).abs();
+            let blocks = any | ((along > 0.0) & (across < inflated_m));
+            let steers = detected & blocks & (clearance < self.least[i]);
+            self.least[i] = if steers { clearance } else { self.least[i] };
+            self.to_x[i] = if steers { dx } else { self.to_x[i] };
+            self.to_y[i] = if steers { dy } else { self.to_y[i] };
+            self.inflated[i] = if steers { inflated_m } else { self.inflated[i] };
+        }
+    }
+
+    /// Eq. 4 with each pigeon's weights, Eq. 2, and one control period of Eq. 1.
+    ///
+    /// The position follows Simpson's rule over the period; up to its middle the trapezium is enough for a sample.
+    #[inline(always)]
+    pub fn advance(&mut self, step: &Step, law: &LawSettings, expected: &Expected, weights: &[Each; 3]) {
+        let (ahead_x, ahead_y) = expected.direction();
+        let commander = step.commander;
+        let margin_m = if law.obstacle_margin_m > 1e-3 { law.obstacle_margin_m } else { 1e-3 };
+        for i in 0..self.count.min(BATCH) {
+            let (cos, sin, speed) = (self.cos[i], self.sin[i], self.speed[i]);
+
+            // The tangent of the steering obstacle that needs the smaller turn.
+            let distance = (self.to_x[i] * self.to_x[i] + self.to_y[i] * self.to_y[i]).sqrt();
+            let distance = if distance > 1e-9 { distance } else { 1e-9 };
+            let (centre_x, centre_y) = (self.to_x[i] / distance, self.to_y[i] / distance);
+            let (half_sin, half_cos) = half_angle(distance, self.inflated[i], margin_m);
+            let right_x = centre_x * half_cos - centre_y * half_sin;
+            let right_y = centre_y * half_cos + centre_x * half_sin;
+            let left_x = centre_x * half_cos + centre_y * half_sin;
+            let left_y = centre_y * half_cos - centre_x * half_sin;
+            let right = right_x * cos + right_y * sin >= left_x * cos + left_y * sin;
+            let free = self.least[i] == f64::INFINITY;
+            let towards_x = if right { right_x } else { left_x };
+            let towards_y = if right { right_y } else { left_y };
+            let towards_x = if free { ahead_x } else { towards_x };
+            let towards_y = if free { ahead_y } else { towards_y };
+
+            // Eq. 4.
+            let formation = weights[0][i] * law.formation_gain;
+            let avoidance = weights[1][i] * law.obstacle_gain;
+            let velocity = weights[2][i] * law.neighbour_velocity_gain;
+            let demand_x = formation * self.formation_x[i]
+                + law.collision_gain * self.collision_x[i]
+                + avoidance * (towards_x * expected.speed_mps - self.vx[i])
+                + velocity * self.velocity_x[i];
+            let demand_y = formation * self.formation_y[i]
+                + law.collision_gain * self.collision_y[i]
+                + avoidance * (towards_y * expected.speed_mps - self.vy[i])
+                + velocity * self.velocity_y[i];
+
+            // Eq. 2.
+            let along = demand_x * cos + demand_y * sin;
+            let across = demand_y * cos - demand_x * sin;
+            let slowest = commander.speed_min_mps;
+            let turning_speed = if speed > slowest { speed } else { slowest };
+            let bound = commander.course_change_speed_max / turning_speed;
+            let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
+            let tau_s = commander.speed_time_constant_s;
+            let setpoint = clamp(speed + tau_s * along, slowest, commander.speed_max_mps);
+            let change = clamp(tau_s * across / turning_speed, -bound, bound);
+
+            // Eq. 1, half-way and at the end.
+            let (turn_sin, turn_cos) = sincos(change * step.course_gain[0]);
+            let speed_1 = setpoint + (speed - setpoint) * step.speed_decay[0];
+            let vx_1 = speed_1 * (cos * turn_cos - sin * turn_sin);
+            let vy_1 = speed_1 * (sin * turn_cos + cos * turn_sin);
+            let (turn_sin, turn_cos) = sincos(change * step.course_gain[1]);
+            let speed_2 = setpoint + (speed - setpoint) * step.speed_decay[1];
+            let cos_2 = cos * turn_cos - sin * turn_sin;
+            let sin_2 = sin * turn_cos + cos * turn_sin;
+            let (vx_2, vy_2) = (speed_2 * cos_2, speed_2 * sin_2);
+            self.middle_x[i] = self.x[i] + step.period_s / 4.0 * (self.vx[i] + vx_1);
+            self.middle_y[i] = self.y[i] + step.period_s / 4.0 * (self.vy[i] + vy_1);
+            self.x[i] += step.period_s / 6.0 * (self.vx[i] + 4.0 * vx_1 + vx_2);
+            self.y[i] += step.period_s / 6.0 * (self.vy[i] + 4.0 * vy_1 + vy_2);
+            self.speed[i] = speed_2;
+            self.cos[i] = cos_2;
+            self.sin[i] = sin_2;
+            self.vx[i] = vx_2;
+            self.vy[i] = vy_2;
+        }
+    }
+
+    /// Adds Eq. 11.
+    #[inline(always)]
+    pub fn add_progress(&mut self, expected: &Expected, detected: bool) {
+        let (ahead_x, ahead_y) = expected.direction();
+        let (vx, vy) = (ahead_x * expected.speed_mps, ahead_y * expected.speed_mps);
+        for i in 0..self.count.min(BATCH) {
+            let progress = -(self.x[i] * ahead_x + self.y[i] * ahead_y);
+            let deviation = (vx - self.vx[i]).abs() + (vy - self.vy[i]).abs();
+            self.cost_1[i] += if detected { progress } else { deviation };
+        }
+    }
+
+    /// Adds the metres by which the vehicles fall short of `wanted_m` from a place, half-way through the last step.
+    #[inline(always)]
+    pub fn keep_off_half_way(&mut self, x_m: f64, y_m: f64, wanted_m: f64) {
+        add_shortfall(&mut self.violation_m, &self.middle_x, &self.middle_y, self.count, (x_m, y_m), wanted_m);
+    }
+
+    /// Adds the metres by which the vehicles fall short of `wanted_m` from a place, now.
+    #[inline(always)]
+    pub fn keep_off(&mut self, x_m: f64, y_m: f64, wanted_m: f64) {
+        add_shortfall(&mut self.violation_m, &self.x, &self.y, self.count, (x_m, y_m), wanted_m);
+    }
+}
+
+/// One control period of the vehicle model.
+pub struct Step<'a> {
+    pub commander: &'a Commander,
+    pub period_s: f64,
+    /// exp(-h / tau_V) and 1 - exp(-h / tau_phi) over half a period and a whole one.
+    pub speed_decay: [f64; 2],
+    pub course_gain: [f64; 2],
+}
+
+/// (w^2 - d^2) / 2w is the shortfall w - d to first order, and needs no root.
+#[inline(always)]
+fn add_shortfall(sum: &mut Each, x: &Each, y: &Each, count: usize, place_m: (f64, f64), wanted_m: f64) {
+    let (squared, scale) = (wanted_m * wanted_m, 0.5 / wanted_m);
+    for i in 0..count.min(BATCH) {
+        let (dx, dy) = (place_m.0 - x[i], place_m.1 - y[i]);
+        let shortfall = (squared - (dx * dx + dy * dy)) * scale;
+        sum[i] += if shortfall > 0.0 { shortfall } else { 0.0 };
+    }
+}
+
+/// Sine and cosine of the angle between the centre of an inflated circle and its tangent, as `steering::tangent` has it.
+#[inline(always)]
+fn half_angle(distance: f64, inflated: f64, margin_m: f64) -> (f64, f64) {
+    let sin = inflated / distance;
+    let squared = if sin < 1.0 { sin * sin } else { 1.0 };
+    let cos = (1.0 - squared).sqrt();
+    let outward = (inflated - distance) / margin_m;
+    let outward = if outward < 1.0 { outward } else { 1.0 };
+    let inside_sin = 1.0 / (1.0 + outward * outward).sqrt();
+    let inside = sin > 1.0;
+    (if inside { inside_sin } else { sin }, if inside { -outward * inside_sin } else { cos })
+}
+
+#[inline(always)]
+fn clamp(value: f64, low: f64, high: f64) -> f64 {
+    let value = if value > low { value } else { low };
+    if value < high { value } else { high }
+}
