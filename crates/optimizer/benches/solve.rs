@@ -29,7 +29,8 @@ impl Problem for TwoPoints {
         let [x, y, z] = [0, 1, 2].map(|d| candidates.coordinate(d));
         let ([near, far], _) = evaluations.objectives_and_violation();
         for i in 0..candidates.len() {
-            let distance = |to: f64| (x[i] - to) * (x[i] - to) + (y[i] - 1.0) * (y[i] - 1.0) + (z[i] - 1.0) * (z[i] - 1.0);
+            let distance =
+                |to: f64| (x[i] - to) * (x[i] - to) + (y[i] - 1.0) * (y[i] - 1.0) + (z[i] - 1.0) * (z[i] - 1.0);
             near[i] = distance(1.0);
             far[i] = distance(2.0);
         }
@@ -83,7 +84,8 @@ fn sort_and_crowding(bencher: Bencher, (points, objectives): (usize, usize)) {
         let mut sum = 0.0;
         for rank in 0..sort.fronts() {
             let front = sort.front(rank);
-            sum += crowding.distances(front.len(), objectives, |i, k| costs.objective(k)[front[i] as usize])[front.len() / 2];
+            sum += crowding.distances(front.len(), objectives, |i, k| costs.objective(k)[front[i] as usize])
+                [front.len() / 2];
         }
         sum
     });
