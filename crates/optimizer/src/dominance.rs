@@ -7,13 +7,14 @@ use std::cmp::Ordering;
 pub struct Costs<'a> {
     objectives: &'a [f64],
     violation: &'a [f64],
+    count: usize,
 }
 
 impl<'a> Costs<'a> {
     /// As many candidates as `violation` is long; objective `k` of candidate `i` is `objectives[k * len + i]`.
     /// No value may be NaN: it would have no place in any order (the sort stays safe, but its ranks mean nothing).
     pub fn new(objectives: &'a [f64], violation: &'a [f64]) -> Self {
-        Self { objectives, violation }
+        Self { objectives, violation, count: objectives.len().checked_div(violation.len()).unwrap_or(0) }
     }
 
     /// The number of candidates.
@@ -28,7 +29,7 @@ impl<'a> Costs<'a> {
 
     /// The number of objectives.
     pub fn objectives(&self) -> usize {
-        self.objectives.len().checked_div(self.len()).unwrap_or(0)
+        self.count
     }
 
     /// Objective `objective` of every candidate. Panics if there is no such objective, as an index does.
@@ -68,10 +69,14 @@ impl<'a> Costs<'a> {
 
     /// By violation, then objective after objective: who dominates comes before whom it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
-        (0..self.objectives())
-            .map(|k| compare(self.cost(a, k), self.cost(b, k)))
-            .fold(compare(self.violation[a], self.violation[b]), Ordering::then)
+        compare(self.violation[a], self.violation[b])
+            .then_with(|| lexicographic((0..self.count).map(|k| (self.cost(a, k), self.cost(b, k)))))
     }
+}
+
+/// The order of the first pair whose two differ.
+pub(crate) fn lexicographic(pairs: impl Iterator<Item = (f64, f64)>) -> Ordering {
+    pairs.map(|(a, b)| compare(a, b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// A total order of floats in which 0 and -0 are equal.
