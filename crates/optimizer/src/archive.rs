@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::crowding::Crowding;
-use crate::dominance::{Costs, compare};
+use crate::dominance::{Costs, compare, lexicographic};
 use crate::optimizer::FrontBuffer;
 use crate::problem::Candidates;
 
@@ -24,6 +24,8 @@ pub struct Archive {
     /// The members' rows in lexicographic order, and where the next such order is made.
     order: Vec<u32>,
     merged: Vec<u32>,
+    /// Of these, the ones that the current offer brought.
+    taken: Vec<u32>,
     crowding: Crowding,
     by_crowding: Vec<u32>,
 }
@@ -38,7 +40,7 @@ impl Archive {
         let most = self.capacity + offered;
         self.rows.clear();
         self.rows.reserve(most * self.row_len());
-        for buffer in [&mut self.free, &mut self.order, &mut self.merged, &mut self.by_crowding] {
+        for buffer in [&mut self.free, &mut self.order, &mut self.merged, &mut self.taken, &mut self.by_crowding] {
             buffer.clear();
             buffer.reserve(most);
         }
@@ -64,49 +66,48 @@ impl Archive {
         }
     }
 
-    /// Merges two fronts that are both in lexicographic order: nobody is dominated by who comes later.
+    /// Merges two fronts that are both in lexicographic order, so that nobody is dominated by who comes later.
     fn merge(&mut self, candidates: &Candidates<'_>, costs: &Costs<'_>, front: &[u32]) {
-        let (mut old, mut new) = (0, 0);
-        loop {
-            let member = self.order.get(old).copied();
-            let candidate = front.get(new).map(|&candidate| candidate as usize);
-            let take_member = match (member, candidate) {
-                (None, None) => break,
-                (Some(_), None) => true,
-                (None, Some(_)) => false,
-                (Some(row), Some(candidate)) => {
-                    let order = (0..self.objectives)
-                        .map(|k| compare(self.cost(row, k), costs.cost(candidate, k)))
-                        .fold(Ordering::Equal, Ordering::then);
-                    order.is_le()
-                }
-            };
-            if take_member {
-                old += 1;
-                if let Some(row) = member {
-                    if self.is_covered(|k| self.cost(row, k)) { self.free.push(row) } else { self.merged.push(row) }
-                }
-            } else {
-                new += 1;
-                if let Some(candidate) = candidate
-                    && !self.is_covered(|k| costs.cost(candidate, k))
-                {
-                    let row = self.store(candidates, costs, candidate);
-                    self.merged.push(row);
-                }
+        let mut members = 0;
+        for &candidate in front {
+            let candidate = candidate as usize;
+            while let Some(&row) = self.order.get(members)
+                && lexicographic((0..self.objectives).map(|k| (self.cost(row, k), costs.cost(candidate, k)))).is_le()
+            {
+                members += 1;
+                self.merge_member(row);
             }
+            if !self.is_covered(&self.merged, |k| costs.cost(candidate, k)) {
+                let row = self.store(candidates, costs, candidate);
+                self.merged.push(row);
+                self.taken.push(row);
+            }
+        }
+        while let Some(&row) = self.order.get(members) {
+            members += 1;
+            self.merge_member(row);
         }
         std::mem::swap(&mut self.order, &mut self.merged);
         self.merged.clear();
+        self.taken.clear();
     }
 
-    /// Whether someone merged so far is at least as good in every objective. With two objectives the last one is the best
-    /// in the second, and nobody merged is worse in the first.
-    fn is_covered(&self, cost: impl Fn(usize) -> f64) -> bool {
+    /// Members do not dominate each other: only who was taken before them now may cover them.
+    fn merge_member(&mut self, row: u32) {
+        if self.is_covered(&self.taken, |k| self.cost(row, k)) {
+            self.free.push(row);
+        } else {
+            self.merged.push(row);
+        }
+    }
+
+    /// Whether one of some that come earlier in lexicographic order is at least as good in every objective. With two
+    /// objectives the last of them is the best in the second, and none is worse in the first.
+    fn is_covered(&self, earlier: &[u32], cost: impl Fn(usize) -> f64) -> bool {
         let covers = |&row: &u32| (0..self.objectives).all(|k| self.cost(row, k) <= cost(k));
-        match self.merged.last() {
+        match earlier.last() {
             Some(last) if self.objectives <= 2 => covers(last),
-            _ => self.merged.iter().any(covers),
+            _ => earlier.iter().any(covers),
         }
     }
 
@@ -141,6 +142,11 @@ impl Archive {
             self.free.push(std::mem::replace(&mut self.order[crowded as usize], DROPPED));
         }
         self.order.retain(|&row| row != DROPPED);
+    }
+
+    /// The most members that an offer leaves.
+    pub fn capacity(&self) -> usize {
+        self.capacity
     }
 
     /// The number of members.

@@ -7,13 +7,14 @@ use std::cmp::Ordering;
 pub struct Costs<'a> {
     objectives: &'a [f64],
     violation: &'a [f64],
+    count: usize,
 }
 
 impl<'a> Costs<'a> {
     /// As many candidates as `violation` is long; objective `k` of candidate `i` is `objectives[k * len + i]`.
     /// No value may be NaN: it would have no place in any order (the sort stays safe, but its ranks mean nothing).
     pub fn new(objectives: &'a [f64], violation: &'a [f64]) -> Self {
-        Self { objectives, violation }
+        Self { objectives, violation, count: objectives.len().checked_div(violation.len()).unwrap_or(0) }
     }
 
     /// The number of candidates.
@@ -28,7 +29,7 @@ impl<'a> Costs<'a> {
 
     /// The number of objectives.
     pub fn objectives(&self) -> usize {
-        self.objectives.len().checked_div(self.len()).unwrap_or(0)
+        self.count
     }
 
     /// Objective `objective` of every candidate. Panics if there is no such objective, as an index does.
@@ -68,15 +69,25 @@ impl<'a> Costs<'a> {
 
     /// By violation, then objective after objective: who dominates comes before whom it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
-        (0..self.objectives())
-            .map(|k| compare(self.cost(a, k), self.cost(b, k)))
-            .fold(compare(self.violation[a], self.violation[b]), Ordering::then)
+        compare(self.violation[a], self.violation[b])
+            .then_with(|| lexicographic((0..self.count).map(|k| (self.cost(a, k), self.cost(b, k)))))
     }
+}
+
+/// The order of the first pair whose two differ.
+pub(crate) fn lexicographic(pairs: impl Iterator<Item = (f64, f64)>) -> Ordering {
+    pairs.map(|(a, b)| compare(a, b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// A total order of floats in which 0 and -0 are equal.
 pub(crate) fn compare(a: f64, b: f64) -> Ordering {
     (a + 0.0).total_cmp(&(b + 0.0))
+}
+
+/// Bits that are ordered as the floats are, with 0 and -0 equal.
+fn ordered_bits(value: f64) -> u64 {
+    let bits = (value + 0.0).to_bits();
+    if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
 
 const NOBODY: u32 = u32::MAX;
@@ -89,22 +100,32 @@ const NOBODY: u32 = u32::MAX;
 /// front's last member: O(n log n). With more, every member is asked: O(n^2) at worst. Equal candidates share a front.
 #[derive(Clone, Debug, Default)]
 pub struct NonDominatedSort {
-    order: Vec<u32>,
+    order: Vec<Entry>,
     ranks: Vec<u32>,
-    /// The last member of each front, and of each candidate the one that joined its front before it.
+    /// The last member of each front and its last objective; of each candidate, the one that joined its front before it.
     last: Vec<u32>,
+    last_cost: Vec<f64>,
     previous: Vec<u32>,
     /// Candidates, front after front, and where each front ends.
     members: Vec<u32>,
     ends: Vec<u32>,
 }
 
+/// A candidate with the start of what it is ordered by, which decides most comparisons without a look at the costs.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    key: u128,
+    candidate: u32,
+}
+
 impl NonDominatedSort {
     /// Makes room for `candidates`, so that sorting up to so many allocates nothing.
     pub fn reserve(&mut self, candidates: usize) {
-        for buffer in
-            [&mut self.order, &mut self.ranks, &mut self.last, &mut self.previous, &mut self.members, &mut self.ends]
-        {
+        self.order.clear();
+        self.order.reserve(candidates);
+        self.last_cost.clear();
+        self.last_cost.reserve(candidates);
+        for buffer in [&mut self.ranks, &mut self.last, &mut self.previous, &mut self.members, &mut self.ends] {
             buffer.clear();
             buffer.reserve(candidates);
         }
@@ -112,44 +133,69 @@ impl NonDominatedSort {
 
     /// Sorts. Results stay readable until the next call.
     pub fn sort(&mut self, costs: &Costs<'_>) {
-        let candidates = costs.len() as u32;
-        self.order.clear();
-        self.order.extend(0..candidates);
-        self.order.sort_unstable_by(|&a, &b| costs.lexicographic(a as usize, b as usize).then(a.cmp(&b)));
+        self.order_lexicographically(costs);
         self.assign_ranks(costs);
         self.collect_fronts();
     }
 
+    fn order_lexicographically(&mut self, costs: &Costs<'_>) {
+        let objective = |k| if k < costs.objectives() { costs.objective(k) } else { costs.violation };
+        let same_violation = costs.violation.windows(2).all(|pair| pair[0] == pair[1]);
+        let (first, second) =
+            if same_violation { (objective(0), objective(1)) } else { (costs.violation, objective(0)) };
+        self.order.clear();
+        self.order.extend(first.iter().zip(second).zip(0..).map(|((&first, &second), candidate)| Entry {
+            key: u128::from(ordered_bits(first)) << 64 | u128::from(ordered_bits(second)),
+            candidate,
+        }));
+        self.order.sort_unstable_by(|a, b| {
+            a.key.cmp(&b.key).then_with(|| {
+                let rest = costs.lexicographic(a.candidate as usize, b.candidate as usize);
+                rest.then(a.candidate.cmp(&b.candidate))
+            })
+        });
+    }
+
     fn assign_ranks(&mut self, costs: &Costs<'_>) {
-        let candidates = costs.len();
         self.ranks.clear();
-        self.ranks.resize(candidates, 0);
+        self.ranks.resize(costs.len(), 0);
         self.previous.clear();
-        self.previous.resize(candidates, NOBODY);
+        self.previous.resize(costs.len(), NOBODY);
         self.last.clear();
-        let mut violation = f64::NEG_INFINITY;
+        self.last_cost.clear();
         let mut least_rank = 0;
-        for &candidate in &self.order {
-            let index = candidate as usize;
-            if costs.violation[index] > violation {
-                violation = costs.violation[index];
+        let mut before = None::<Entry>;
+        for &entry in &self.order {
+            let candidate = entry.candidate as usize;
+            let cost = costs.cost(candidate, costs.objectives().saturating_sub(1));
+            if before.is_some_and(|before| costs.violation[before.candidate as usize] < costs.violation[candidate]) {
                 least_rank = self.last.len();
             }
-            let rank =
-                least_rank + self.last[least_rank..].partition_point(|&last| self.front_dominates(costs, last, index));
-            match self.last.get_mut(rank) {
-                Some(last) => self.previous[index] = std::mem::replace(last, candidate),
-                None => self.last.push(candidate),
+            let rank = match before.map(|before| before.candidate as usize) {
+                Some(before) if costs.lexicographic(before, candidate).is_eq() => self.ranks[before] as usize,
+                _ if costs.objectives() <= 2 => {
+                    least_rank + self.last_cost[least_rank..].partition_point(|&last_cost| last_cost <= cost)
+                }
+                _ => {
+                    let dominates = |&last: &u32| self.front_dominates(costs, last, candidate);
+                    least_rank + self.last[least_rank..].partition_point(dominates)
+                }
+            };
+            if rank < self.last.len() {
+                self.previous[candidate] = self.last[rank];
+                self.last[rank] = entry.candidate;
+                self.last_cost[rank] = cost;
+            } else {
+                self.last.push(entry.candidate);
+                self.last_cost.push(cost);
             }
-            self.ranks[index] = rank as u32;
+            self.ranks[candidate] = rank as u32;
+            before = Some(entry);
         }
     }
 
     /// Whether the front that ends in `last` dominates a candidate that comes after it in the order.
     fn front_dominates(&self, costs: &Costs<'_>, last: u32, candidate: usize) -> bool {
-        if costs.objectives() <= 2 {
-            return costs.dominates(last as usize, candidate);
-        }
         let mut member = last;
         while member != NOBODY {
             if costs.dominates(member as usize, candidate) {
@@ -174,7 +220,7 @@ impl NonDominatedSort {
         }
         self.members.clear();
         self.members.resize(self.order.len(), 0);
-        for &candidate in &self.order {
+        for &Entry { candidate, .. } in &self.order {
             let slot = &mut self.ends[self.ranks[candidate as usize] as usize];
             self.members[*slot as usize] = candidate;
             *slot += 1;

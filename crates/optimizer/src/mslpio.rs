@@ -1,6 +1,6 @@
 //! Multi-objective social learning pigeon-inspired optimisation: Algorithm 1, Eq. 13 and 16-18 of Ruan and Duan.
 
-use rand::Rng;
+use rand::{Rng, RngExt};
 
 use crate::archive::Archive;
 use crate::crowding::Crowding;
@@ -150,8 +150,9 @@ pub struct Mslpio {
     sort: NonDominatedSort,
     crowding: Crowding,
     archive: Archive,
-    center: Vec<f64>,
-    models: Vec<u32>,
+    x_center: Vec<f64>,
+    x_model: Vec<f64>,
+    draws: Vec<u32>,
     survivors: Vec<u32>,
     front: FrontBuffer,
 }
@@ -168,8 +169,9 @@ impl Mslpio {
             sort: NonDominatedSort::default(),
             crowding: Crowding::default(),
             archive: Archive::default(),
-            center: Vec::new(),
-            models: Vec::new(),
+            x_center: Vec::new(),
+            x_model: Vec::new(),
+            draws: Vec::new(),
             survivors: Vec::new(),
             front: FrontBuffer::default(),
         })
@@ -194,8 +196,9 @@ impl Mslpio {
         let (dimensions, objectives) = (self.swarm.dimensions(), self.swarm.objectives());
         self.sort.reserve(pigeons);
         self.crowding.reserve(pigeons);
+        self.draws.reserve(pigeons * (1 + 2 * dimensions));
         self.archive.clear(dimensions, objectives, self.settings.archive_capacity, pigeons);
-        self.front.reserve(self.settings.archive_capacity, dimensions, objectives);
+        self.front.reserve(self.archive.capacity(), dimensions, objectives);
         Ok(())
     }
 
@@ -204,11 +207,11 @@ impl Mslpio {
         self.swarm.evaluate(problem);
         self.sort.sort(&self.swarm.costs());
         let pareto_front = self.sort.front(0);
-        self.center.clear();
+        self.x_center.clear();
         for dimension in 0..self.swarm.dimensions() {
             let coordinate = self.swarm.coordinate(dimension);
             let sum: f64 = pareto_front.iter().map(|&pigeon| coordinate[pigeon as usize]).sum();
-            self.center.push(sum / pareto_front.len() as f64);
+            self.x_center.push(sum / pareto_front.len() as f64);
         }
         self.archive.offer(&self.swarm.candidates(), &self.swarm.costs(), pareto_front);
     }
@@ -251,17 +254,23 @@ impl Mslpio {
         let pigeons = self.swarm.len();
         let decay = libm::exp(-self.settings.map_and_compass_factor * nc as f64);
         let (c1, c2) = (self.settings.learning_factor(), self.settings.social_influence_factor());
-        self.models.clear();
-        self.models.extend((0..pigeons).map(|_| pick(self.archive.len(), rng.next_u32())));
-        for (dimension, bounds) in bounds.iter().enumerate() {
+        // All draws of an iteration at once: a model for each pigeon, then for each dimension both factors of each pigeon.
+        self.draws.resize(pigeons * (1 + 2 * bounds.len()), 0);
+        rng.fill(&mut self.draws[..]);
+        let (models, factors) = self.draws.split_at(pigeons);
+        for (dimension, (bounds, factors)) in bounds.iter().zip(factors.chunks_exact(2 * pigeons)).enumerate() {
+            self.x_model.clear();
+            self.x_model
+                .extend(models.iter().map(|&draw| self.archive.member(pick(self.archive.len(), draw))[dimension]));
             let limit = self.settings.velocity_limit * bounds.range();
-            let x_center = self.center[dimension];
+            let x_center = self.x_center[dimension];
+            let (learning, social) = factors.split_at(pigeons);
             let velocities = &mut self.velocities[dimension * pigeons..][..pigeons];
-            let positions = self.swarm.coordinate_mut(dimension);
-            for ((x, v), &model) in positions.iter_mut().zip(velocities).zip(&self.models) {
-                let x_model = self.archive.member(model as usize)[dimension];
-                let (learning, social) = (uniform(rng.next_u32()) * c1, uniform(rng.next_u32()) * c2);
-                *v = (*v * decay + learning * (x_model - *x) + social * (x_center - *x)).max(-limit).min(limit);
+            let pigeons = self.swarm.coordinate_mut(dimension).iter_mut().zip(velocities);
+            for (((x, v), x_model), (&learning, &social)) in pigeons.zip(&self.x_model).zip(learning.iter().zip(social))
+            {
+                *v = *v * decay + uniform(learning) * c1 * (x_model - *x) + uniform(social) * c2 * (x_center - *x);
+                *v = v.max(-limit).min(limit);
                 *x = bounds.clamp(*x + *v);
             }
         }
@@ -297,6 +306,6 @@ impl Optimizer for Mslpio {
 const LEFT: u32 = u32::MAX;
 
 /// One of `count` by 32 random bits; uneven by less than `count` in 2^32.
-fn pick(count: usize, bits: u32) -> u32 {
-    ((u64::from(bits) * count as u64) >> 32) as u32
+fn pick(count: usize, bits: u32) -> usize {
+    ((u64::from(bits) * count as u64) >> 32) as usize
 }
