@@ -36,7 +36,7 @@ counters! {
     incompatible_flags,
     /// Frames whose payload holds a value that the dialect does not know.
     invalid_value,
-    /// Bytes that belong to no frame: garbage, or the pieces of truncated frames.
+    /// Bytes that belong to no frame, right or wrong: garbage, or the pieces of truncated frames.
     malformed_bytes,
     /// Frames that never came, by the gaps in the sequence numbers of each sender.
     lost,

@@ -99,14 +99,16 @@ impl<'a> Frame<'a> {
 /// The frames of a datagram whose message ids we know and whose checksums are right; everything else is counted.
 ///
 /// The datagram is searched from one start byte to the next. Where a frame stands whole, with the right checksum, it is
-/// yielded and the search goes on behind it. Where what looks like a frame is not one that we can trust (wrong checksum,
-/// unknown id, flags that we do not understand) its length can be trusted only if it ends with the datagram or where
-/// another start byte stands: then it is counted and passed over as a whole. Otherwise the start byte was garbage.
-/// Signatures are accepted and not verified.
+/// yielded and the search goes on behind it. Signatures are accepted and not verified.
+///
+/// A frame with a wrong checksum may be two pieces of others: it is counted once, and what it covers is searched.
+/// A frame with an unknown id, or with flags that we do not understand, has a length that nothing verifies: it is counted
+/// and passed over as a whole if it ends with the datagram or where another start byte stands. Otherwise its start byte
+/// was garbage.
 pub fn frames<'a, 'c>(datagram: &'a [u8], counters: &'c mut Counters) -> Frames<'a, 'c> {
     counters.datagrams = counters.datagrams.saturating_add(1);
     counters.bytes = counters.bytes.saturating_add(datagram.len() as u64);
-    Frames { rest: datagram, counters }
+    Frames { rest: datagram, suspect: 0, counters }
 }
 
 /// The frames of a datagram with their messages. Frames whose message cannot be read are yielded with the reason, and
@@ -130,6 +132,8 @@ pub fn messages<'a>(
 #[derive(Debug)]
 pub struct Frames<'a, 'c> {
     rest: &'a [u8],
+    /// How many bytes of `rest` belong to a frame that has been counted as wrong.
+    suspect: usize,
     counters: &'c mut Counters,
 }
 
@@ -138,7 +142,8 @@ impl<'a> Iterator for Frames<'a, '_> {
 
     fn next(&mut self) -> Option<Frame<'a>> {
         loop {
-            self.skip_to_start_byte();
+            let garbage = self.rest.iter().position(|&byte| is_start_byte(byte)).unwrap_or(self.rest.len());
+            self.skip_malformed(garbage);
             if self.rest.is_empty() {
                 return None;
             }
@@ -146,36 +151,43 @@ impl<'a> Iterator for Frames<'a, '_> {
                 self.skip_malformed(1);
                 continue;
             };
-            let (_, behind) = self.rest.split_at(candidate.frame.bytes.len());
-            let counter = match candidate.verify() {
+            let length = candidate.frame.bytes.len();
+            match candidate.verify() {
                 Ok(()) => {
-                    self.rest = behind;
+                    self.skip(length);
                     self.counters.frames = self.counters.frames.saturating_add(1);
                     return Some(candidate.frame);
                 }
-                Err(_) if !behind.first().is_none_or(|&byte| is_start_byte(byte)) => {
-                    self.skip_malformed(1);
-                    continue;
+                Err(_) if self.suspect > 0 => self.skip_malformed(1),
+                Err(FrameError::BadChecksum) => {
+                    self.counters.bad_checksum = self.counters.bad_checksum.saturating_add(1);
+                    self.suspect = length;
+                    self.skip(1);
                 }
-                Err(FrameError::BadChecksum) => &mut self.counters.bad_checksum,
-                Err(FrameError::IncompatibleFlags(_)) => &mut self.counters.incompatible_flags,
-                Err(_) => &mut self.counters.unknown_message,
-            };
-            *counter = counter.saturating_add(1);
-            self.rest = behind;
+                Err(_) if !self.rest.get(length).is_none_or(|&byte| is_start_byte(byte)) => self.skip_malformed(1),
+                Err(reason) => {
+                    let counter = match reason {
+                        FrameError::IncompatibleFlags(_) => &mut self.counters.incompatible_flags,
+                        _ => &mut self.counters.unknown_message,
+                    };
+                    *counter = counter.saturating_add(1);
+                    self.skip(length);
+                }
+            }
         }
     }
 }
 
 impl Frames<'_, '_> {
-    fn skip_to_start_byte(&mut self) {
-        let garbage = self.rest.iter().position(|&byte| is_start_byte(byte)).unwrap_or(self.rest.len());
-        self.skip_malformed(garbage);
+    fn skip(&mut self, bytes: usize) {
+        self.rest = self.rest.get(bytes..).unwrap_or(&[]);
+        self.suspect = self.suspect.saturating_sub(bytes);
     }
 
     fn skip_malformed(&mut self, bytes: usize) {
-        self.rest = self.rest.get(bytes..).unwrap_or(&[]);
-        self.counters.malformed_bytes = self.counters.malformed_bytes.saturating_add(bytes as u64);
+        let malformed = bytes.saturating_sub(self.suspect);
+        self.counters.malformed_bytes = self.counters.malformed_bytes.saturating_add(malformed as u64);
+        self.skip(bytes);
     }
 }
 

@@ -69,8 +69,8 @@ impl ImpairmentSettings {
 
 /// One direction of a bad link. Datagrams go in by [`offer`](Self::offer) and come out by [`poll`](Self::poll).
 ///
-/// `A` is what a datagram is addressed with: a socket's address, or an index for links in memory. What happens to the
-/// n-th datagram depends on the seed, the stream and n alone.
+/// `A` is what a datagram is addressed with: a socket's address, or an index for links in memory. Everything random
+/// about the n-th datagram depends on the seed, the stream and n alone.
 #[derive(Debug)]
 pub struct Impairment<A = SocketAddr> {
     settings: ImpairmentSettings,

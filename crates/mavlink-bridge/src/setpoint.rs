@@ -11,7 +11,7 @@ use std::time::Duration;
 /// The type mask of [`local_ned_setpoint`]: vx, vy and z are set, all else is ignored.
 pub const VELOCITY_AND_ALTITUDE_MASK: u16 = 0x0DE3;
 
-/// Least speed that [`local_ned_setpoint`] sends, m/s: a velocity of zero would have no course.
+/// What [`local_ned_setpoint`] sends for speeds of less than half of it, m/s: a velocity of zero would have no course.
 pub const SPEED_MIN_MPS: f64 = 1.0 / 1024.0;
 
 /// What a SET_POSITION_TARGET_LOCAL_NED asks of a vehicle: velocity, altitude, or both.
@@ -40,7 +40,7 @@ pub enum SetpointRefusal {
 /// SET_POSITION_TARGET_LOCAL_NED with velocity and altitude, for PX4 multicopters in OFFBOARD and for lockstep, where
 /// `time_boot` is the stamp (<https://mavlink.io/en/messages/common.html#SET_POSITION_TARGET_LOCAL_NED>).
 ///
-/// Speeds below [`SPEED_MIN_MPS`] are sent as that, to keep the course. Numbers that are not finite stay so, and are
+/// A speed of nothing, or less, is sent as [`SPEED_MIN_MPS`], to keep the course. Numbers that are not finite stay so, and are
 /// refused by [`setpoint_from_local_ned`].
 pub fn local_ned_setpoint(time_boot: Duration, target: Target, setpoint: &Setpoint) -> Message {
     Message::SET_POSITION_TARGET_LOCAL_NED(local_ned_data(boot_ms(time_boot), target, setpoint))
@@ -102,15 +102,15 @@ impl PartialSetpoint {
 /// MAV_CMD_GUIDED_CHANGE_SPEED, _ALTITUDE and _HEADING (over ground).
 ///
 /// `altitude_above_home_m` stands in for the setpoint's altitude, which counts from the local origin.
-/// `lateral_acceleration_mps2` limits the bank in turns. None if a number is not finite. What ArduPlane would choke on is
-/// avoided: the course is in [0, 360) degrees after rounding to `f32`, an altitude within 2 cm of home or at -1 m is moved
+/// `lateral_acceleration_mps2` limits the bank in turns. Refused are numbers that are not finite as `f32`: a NaN
+/// makes ArduPlane dive or stop. What else it would choke on is avoided: the course is in [0, 360) degrees after rounding to `f32`, an altitude within 2 cm of home or at -1 m is moved
 /// by 2 cm, the lateral acceleration is at least the autopilot's own least, 0.05 m/s2.
 pub fn guided_commands(
     target: Target,
     setpoint: &Setpoint,
     altitude_above_home_m: f64,
     lateral_acceleration_mps2: f64,
-) -> Option<[Message; 3]> {
+) -> Result<[Message; 3], SetpointRefusal> {
     let speed_mps = finite_f32(setpoint.speed_mps)?;
     let altitude_m = flyable_altitude_m(finite_f32(altitude_above_home_m)?);
     let course_deg = course_deg(setpoint.course_rad)?;
@@ -128,7 +128,7 @@ pub fn guided_commands(
             ..COMMAND_INT_DATA::DEFAULT
         })
     };
-    Some([
+    Ok([
         command(MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED, 0.0, speed_mps, 0.0, 0.0),
         command(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE, 0.0, 0.0, 0.0, altitude_m),
         command(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING, 0.0, course_deg, lateral_mps2, 0.0),
@@ -139,7 +139,7 @@ const LATERAL_ACCELERATION_MIN_MPS2: f32 = 0.05;
 
 fn local_ned_data(time_boot_ms: u32, target: Target, setpoint: &Setpoint) -> SET_POSITION_TARGET_LOCAL_NED_DATA {
     // Not f64::max, which would make a speed of NaN a valid one.
-    let speed_mps = if setpoint.speed_mps < SPEED_MIN_MPS { SPEED_MIN_MPS } else { setpoint.speed_mps };
+    let speed_mps = if setpoint.speed_mps < 0.5 * SPEED_MIN_MPS { SPEED_MIN_MPS } else { setpoint.speed_mps };
     let (vx, vy) = wire_velocity(speed_mps, setpoint.course_rad);
     SET_POSITION_TARGET_LOCAL_NED_DATA {
         time_boot_ms,
@@ -154,15 +154,16 @@ fn local_ned_data(time_boot_ms: u32, target: Target, setpoint: &Setpoint) -> SET
     }
 }
 
-fn finite_f32(value: f64) -> Option<f32> {
+fn finite_f32(value: f64) -> Result<f32, SetpointRefusal> {
     let value = value as f32;
-    value.is_finite().then_some(value)
+    if value.is_finite() { Ok(value) } else { Err(SetpointRefusal::NotFinite) }
 }
 
-fn course_deg(course_rad: f64) -> Option<f32> {
+/// Degrees in [0, 360).
+fn course_deg(course_rad: f64) -> Result<f32, SetpointRefusal> {
     let turn = course_rad / std::f64::consts::TAU;
     let degrees = finite_f32((turn - turn.floor()) * 360.0)?;
-    Some(if degrees >= 360.0 { 0.0 } else { degrees })
+    Ok(if degrees >= 360.0 { 0.0 } else { degrees })
 }
 
 /// ArduPlane denies 0 and -1, and dies of what rounds to 0 cm.
