@@ -28,10 +28,11 @@ pub struct MslpioSettings {
     /// for the last iteration. The paper: 2.
     pub removed_per_iteration: usize,
     /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0 to 1.
-    /// The paper gives none.
+    /// The paper gives none; the default 0.5 did best over ZDT1, ZDT3 and a front inside the bounds, each with 1 to 10
+    /// dimensions: below 0.3 a solve cannot reach the far side of its bounds, with 1 it overshoots a front inside them.
     pub velocity_limit: f64,
-    /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it. See [`Archive`]
-    /// for who leaves.
+    /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it, and
+    /// neither does the default, 700, which is more than the 651 candidates of a solve. See [`Archive`] for who leaves.
     pub archive_capacity: usize,
 }
 
@@ -44,8 +45,8 @@ impl Default for MslpioSettings {
             map_and_compass_factor: 0.3,
             iterations: 20,
             removed_per_iteration: 2,
-            velocity_limit: 0.2,
-            archive_capacity: 100,
+            velocity_limit: 0.5,
+            archive_capacity: 700,
         }
     }
 }
@@ -119,12 +120,13 @@ impl MslpioSettings {
 
     /// N of Eq. 13, the pigeons of the first generation.
     pub fn population(&self) -> usize {
-        self.base_population + self.dimension_setting / 5
+        self.base_population.saturating_add(self.dimension_setting / 5)
     }
 
     /// How many candidates a solve evaluates.
     pub fn evaluations(&self) -> usize {
-        (0..=self.iterations).map(|nc| self.population() - nc * self.removed_per_iteration).sum()
+        let left = |nc: usize| self.population().saturating_sub(nc.saturating_mul(self.removed_per_iteration));
+        (0..=self.iterations).fold(0, |evaluations, nc| evaluations.saturating_add(left(nc)))
     }
 
     /// c1 of Eq. 18, how strongly a pigeon learns from its model: 1 - ln(D/M).
@@ -202,6 +204,7 @@ impl Mslpio {
         self.by_crowding.reserve(pigeons);
         self.leaving.clear();
         self.leaving.reserve(pigeons);
+        self.draws.clear();
         self.draws.reserve(pigeons * (1 + 2 * dimensions));
         self.archive.clear(dimensions, objectives, self.settings.archive_capacity, pigeons);
         self.front.reserve(self.archive.capacity(), dimensions, objectives);
