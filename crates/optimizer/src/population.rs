@@ -66,10 +66,10 @@ impl Population {
         }
     }
 
-    /// Drops every candidate but those, given in ascending order. Costs are void until the next evaluation.
-    pub fn keep(&mut self, survivors: &[u32]) {
-        keep_rows(&mut self.positions, self.len, survivors);
-        self.len = survivors.len();
+    /// Drops candidates, given in descending order. Costs are void until the next evaluation.
+    pub fn remove(&mut self, dropped: &[u32]) {
+        remove_rows(&mut self.positions, self.len, dropped);
+        self.len -= dropped.len();
     }
 
     pub fn len(&self) -> usize {
@@ -106,16 +106,16 @@ pub(crate) fn uniform(bits: u32) -> f64 {
     f64::from(bits) * (1.0 / 4_294_967_296.0)
 }
 
-/// Keeps some rows, given in ascending order, of a table kept column after column.
-pub(crate) fn keep_rows(table: &mut Vec<f64>, rows: usize, survivors: &[u32]) {
-    let mut kept = 0;
-    for start in (0..table.len()).step_by(rows.max(1)) {
-        for &survivor in survivors {
-            table[kept] = table[start + survivor as usize];
-            kept += 1;
+/// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's place.
+pub(crate) fn remove_rows(table: &mut Vec<f64>, rows: usize, dropped: &[u32]) {
+    let left = rows - dropped.len();
+    for (column, start) in (0..table.len()).step_by(rows.max(1)).enumerate() {
+        for (last, &gap) in (left..rows).rev().zip(dropped) {
+            table[start + gap as usize] = table[start + last];
         }
+        table.copy_within(start..start + left, column * left);
     }
-    table.truncate(kept);
+    table.truncate(table.len() / rows.max(1) * left);
 }
 
 fn check(bounds: &[Bounds], objectives: usize, seeds: &[f64]) -> Result<(), OptimizeError> {

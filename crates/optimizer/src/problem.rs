@@ -27,12 +27,23 @@ impl Bounds {
 
     /// The nearest value inside.
     pub fn clamp(&self, value: f64) -> f64 {
-        value.max(self.lower).min(self.upper)
+        clamp(value, self.lower, self.upper)
     }
 
-    /// Whether both ends and the range are finite and the ends are in order.
+    /// Whether both ends are finite and in order, and no further apart than 1e300, so that an update cannot overflow.
     pub fn is_valid(&self) -> bool {
-        self.lower <= self.upper && self.lower.is_finite() && self.upper.is_finite() && self.range().is_finite()
+        self.lower.is_finite() && self.upper.is_finite() && (0.0..=1e300).contains(&self.range())
+    }
+}
+
+/// The nearest value between two limits; NaN stays NaN. Unlike the standard one it cannot panic.
+pub(crate) fn clamp(value: f64, lower: f64, upper: f64) -> f64 {
+    if value < lower {
+        lower
+    } else if value > upper {
+        upper
+    } else {
+        value
     }
 }
 
@@ -168,6 +179,7 @@ mod tests {
         assert!(!Bounds::new(f64::NAN, 0.0).is_valid());
         assert!(!Bounds::new(0.0, f64::INFINITY).is_valid());
         assert!(!Bounds::new(-f64::MAX, f64::MAX).is_valid());
+        assert!(!Bounds::new(0.0, 1e301).is_valid());
         assert_eq!(Bounds::new(-1.0, 2.0).clamp(7.0), 2.0);
     }
 }
