@@ -1,9 +1,9 @@
 //! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as default.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// All that the controller can be asked to do differently.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ControllerSettings {
     /// The six control terms.
@@ -15,7 +15,7 @@ pub struct ControllerSettings {
 }
 
 /// The flocking law (Eq. 4-10) and its costs (Eq. 11-12).
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LawSettings {
     /// C_f of Eq. 5, 1/s2.
@@ -49,7 +49,7 @@ pub struct LawSettings {
 }
 
 /// Which obstacle gives the desired avoidance course delta of Eq. 7 (reading 8).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ObstacleRule {
     /// The nearest detected one that blocks the corridor along the expected course.
@@ -59,7 +59,7 @@ pub enum ObstacleRule {
 }
 
 /// How the altitude setpoint is made (reading 5).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AltitudeLaw {
     /// As printed where that settles (control periods up to 0.2 s), else the altitude-hold loop's own.
@@ -71,7 +71,7 @@ pub enum AltitudeLaw {
 }
 
 /// The weight factor alpha of Eq. 5, 7, 8 (reading 9).
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct WeightSettings {
     /// One alpha for all three terms, or one for each.
@@ -83,7 +83,7 @@ pub struct WeightSettings {
 }
 
 /// Whether the terms share one alpha.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WeightKind {
     /// One alpha: the letter of Eq. 5, 7 and 8.
@@ -93,7 +93,7 @@ pub enum WeightKind {
 }
 
 /// The prediction on which constraints and costs are judged (reading 11).
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LookAheadSettings {
     /// Constraints are judged over this much predicted flight, s; never less than one control period.
@@ -143,5 +143,26 @@ impl LookAheadSettings {
     /// Control periods in the horizon, at least one.
     pub fn steps(&self, control_period_s: f64) -> usize {
         ((self.horizon_s / control_period_s).round() as usize).max(1)
+    }
+}
+
+impl ControllerSettings {
+    /// The paper with the readings that make it work as described: one alpha shared by the terms.
+    pub fn paper() -> Self {
+        let mut settings = Self::default();
+        settings.weights.kind = WeightKind::Shared;
+        settings
+    }
+
+    /// The letter of the paper: one step ahead, any nearest obstacle steers by its very edge, printed altitude law.
+    pub fn literal() -> Self {
+        let mut settings = Self::paper();
+        settings.law.obstacle_rule = ObstacleRule::Nearest;
+        settings.law.obstacle_margin_m = 0.0;
+        settings.law.altitude_law = AltitudeLaw::Printed;
+        settings.look_ahead.horizon_s = 1e-3;
+        settings.look_ahead.separation_m = settings.law.safe_distance_m;
+        settings.look_ahead.clearance_m = 0.0;
+        settings
     }
 }

@@ -1,0 +1,257 @@
+//! What a scenario must hold: the range of every setting, and what no single setting shows.
+
+use super::Scenario;
+use super::file::ScenarioFile;
+use crate::judge::COLLISION_DISTANCE_M;
+use std::fmt::Display;
+
+/// Everything that is wrong.
+#[derive(Default)]
+pub struct Faults {
+    pub list: Vec<Fault>,
+}
+
+/// One thing that is wrong.
+pub struct Fault {
+    /// As `table.key` or `table[2].key`, counted from one.
+    pub key: String,
+    pub value: String,
+    pub wanted: String,
+}
+
+/// Greatest length in a scenario, m: what single precision on the wire resolves to a centimetre.
+const LENGTH_MAX_M: f64 = 100_000.0;
+
+/// Most vehicles of a scenario.
+const VEHICLES_MAX: usize = 10_000;
+
+impl Faults {
+    fn add(&mut self, key: impl Into<String>, value: impl Display, wanted: impl Into<String>) {
+        self.list.push(Fault { key: key.into(), value: value.to_string(), wanted: wanted.into() });
+    }
+
+    /// `low..=high`.
+    fn within(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
+        if !(low..=high).contains(&value) {
+            self.add(key, value, format!("a number from {low} to {high}"));
+        }
+    }
+
+    /// Above `low`, up to `high`.
+    fn above(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
+        if !(value > low && value <= high) {
+            self.add(key, value, format!("a number greater than {low} and at most {high}"));
+        }
+    }
+
+    fn whole(&mut self, key: impl Into<String>, value: usize, low: usize, high: usize) {
+        if !(low..=high).contains(&value) {
+            self.add(key, value, format!("a whole number from {low} to {high}"));
+        }
+    }
+}
+
+/// The range of every setting.
+pub fn tables(file: &ScenarioFile, faults: &mut Faults) {
+    scenario(file, faults);
+    vehicles(file, faults);
+    controller(file, faults);
+    optimizer(file, faults);
+    dynamics(file, faults);
+    autopilot_and_link(file, faults);
+}
+
+fn scenario(file: &ScenarioFile, faults: &mut Faults) {
+    let table = &file.scenario;
+    if table.name.trim().is_empty() || table.name.chars().any(char::is_control) {
+        faults.add("scenario.name", format!("{:?}", table.name), "a name of at least one visible character on one line");
+    }
+    faults.above("scenario.control_period_s", table.control_period_s, 0.0, 10.0);
+    faults.within("scenario.duration_s", table.duration_s, table.control_period_s.max(0.0), 86_400.0);
+    faults.within("scenario.origin.latitude_deg", table.origin.latitude_deg, -85.0, 85.0);
+    faults.within("scenario.origin.longitude_deg", table.origin.longitude_deg, -180.0, 180.0);
+    faults.within("scenario.origin.altitude_amsl_m", table.origin.altitude_amsl_m, -500.0, 9_000.0);
+    let (period_s, step_s) = (table.control_period_s, file.dynamics.integration_step_s);
+    faults.within("dynamics.integration_step_s", step_s, 0.001, 0.1);
+    if !is_multiple(period_s, 0.001) || !is_multiple(period_s, step_s) {
+        faults.add("scenario.control_period_s", period_s, format!("whole milliseconds and a multiple of dynamics.integration_step_s = {step_s}"));
+    }
+    if !is_multiple(step_s, 0.001) {
+        faults.add("dynamics.integration_step_s", step_s, "whole milliseconds");
+    }
+    let (slowest, fastest) = (file.dynamics.speed_min_mps, file.dynamics.speed_max_mps);
+    faults.within("flock.expected_speed_mps", file.flock.expected_speed_mps, slowest, fastest);
+    faults.within("flock.expected_course_deg", file.flock.expected_course_deg, -360.0, 360.0);
+    faults.within("flock.expected_altitude_m", file.flock.expected_altitude_m, -1_000.0, 20_000.0);
+}
+
+fn is_multiple(value: f64, unit: f64) -> bool {
+    let ratio = value / unit;
+    (ratio - ratio.round()).abs() < 1e-6
+}
+
+fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
+    let (slowest, fastest) = (file.dynamics.speed_min_mps, file.dynamics.speed_max_mps);
+    for (index, vehicle) in file.vehicle.iter().enumerate() {
+        let key = |name: &str| format!("vehicle[{}].{name}", index + 1);
+        faults.within(key("x_m"), vehicle.x_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+        faults.within(key("y_m"), vehicle.y_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+        faults.within(key("altitude_m"), vehicle.altitude_m, -1_000.0, 20_000.0);
+        faults.within(key("speed_mps"), vehicle.speed_mps, slowest, fastest);
+        faults.within(key("course_deg"), vehicle.course_deg, -360.0, 360.0);
+    }
+    if let Some(pattern) = &file.vehicles {
+        faults.whole("vehicles.count", pattern.count, 1, VEHICLES_MAX);
+        faults.within("vehicles.spacing_m", pattern.spacing_m, 2.0 * COLLISION_DISTANCE_M, 1_000.0);
+        faults.within("vehicles.x_m", pattern.x_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+        faults.within("vehicles.y_m", pattern.y_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+        if let Some(altitude_m) = pattern.altitude_m {
+            faults.within("vehicles.altitude_m", altitude_m, -1_000.0, 20_000.0);
+        }
+        if let Some(speed_mps) = pattern.speed_mps {
+            faults.within("vehicles.speed_mps", speed_mps, slowest, fastest);
+        }
+        if let Some(course_deg) = pattern.course_deg {
+            faults.within("vehicles.course_deg", course_deg, -360.0, 360.0);
+        }
+    }
+    match (file.vehicle.len(), &file.vehicles) {
+        (0, None) => faults.add("vehicle", "none", "at least one [[vehicle]], or [vehicles] with a count: the flock is empty"),
+        (count, Some(_)) if count > 0 => {
+            faults.add("vehicles", "beside [[vehicle]]", "either [[vehicle]] tables or one [vehicles], not both");
+        }
+        (count, _) if count > VEHICLES_MAX => faults.whole("vehicle", count, 1, VEHICLES_MAX),
+        _ => {}
+    }
+    for (index, obstacle) in file.obstacle.iter().enumerate() {
+        let key = |name: &str| format!("obstacle[{}].{name}", index + 1);
+        faults.within(key("x_m"), obstacle.x_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+        faults.within(key("y_m"), obstacle.y_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+        faults.above(key("radius_m"), obstacle.radius_m, 0.0, 10_000.0);
+    }
+}
+
+fn controller(file: &ScenarioFile, faults: &mut Faults) {
+    let law = &file.law;
+    for (key, value, high) in [
+        ("law.formation_gain", law.formation_gain, 1e3),
+        ("law.collision_gain", law.collision_gain, 1e9),
+        ("law.obstacle_gain", law.obstacle_gain, 1e3),
+        ("law.neighbour_velocity_gain", law.neighbour_velocity_gain, 1e3),
+        ("law.vertical_velocity_gain", law.vertical_velocity_gain, 1e3),
+        ("law.altitude_gain", law.altitude_gain, 1e3),
+        ("law.obstacle_margin_m", law.obstacle_margin_m, 100.0),
+        ("law.influence_factor", law.influence_factor, 1e3),
+        ("weights.min", file.weights.min, 100.0),
+    ] {
+        faults.within(key, value, 0.0, high);
+    }
+    for (key, value, high) in [
+        ("law.communication_distance_m", law.communication_distance_m, 1_000.0),
+        ("law.desired_distance_m", law.desired_distance_m, 1_000.0),
+        ("law.safe_distance_m", law.safe_distance_m, 1_000.0),
+        ("law.perception_distance_m", law.perception_distance_m, 10_000.0),
+        ("look_ahead.horizon_s", file.look_ahead.horizon_s, 60.0),
+        ("look_ahead.separation_m", file.look_ahead.separation_m, 1_000.0),
+    ] {
+        faults.above(key, value, 0.0, high);
+    }
+    faults.above("weights.max", file.weights.max, file.weights.min, 100.0);
+    faults.within("look_ahead.clearance_m", file.look_ahead.clearance_m, 0.0, 100.0);
+    faults.whole("look_ahead.neighbours_max", file.look_ahead.neighbours_max, 1, 64);
+}
+
+fn optimizer(file: &ScenarioFile, faults: &mut Faults) {
+    if let Err(error) = super::scenario::optimizer_settings(&file.optimizer).validate() {
+        faults.add(format!("optimizer.{}", error.setting), error.value, error.range);
+    }
+}
+
+fn dynamics(file: &ScenarioFile, faults: &mut Faults) {
+    let table = &file.dynamics;
+    for (key, value) in [
+        ("dynamics.speed_time_constant_s", table.speed_time_constant_s),
+        ("dynamics.course_time_constant_s", table.course_time_constant_s),
+        ("dynamics.altitude_time_constant_a_s", table.altitude_time_constant_a_s),
+        ("dynamics.altitude_time_constant_b_s", table.altitude_time_constant_b_s),
+    ] {
+        faults.within(key, value, 0.02, 60.0);
+    }
+    faults.within("dynamics.speed_min_mps", table.speed_min_mps, 0.1, 300.0);
+    faults.above("dynamics.speed_max_mps", table.speed_max_mps, table.speed_min_mps, 300.0);
+    faults.within("dynamics.climb_min_mps", table.climb_min_mps, -100.0, -0.1);
+    faults.within("dynamics.climb_max_mps", table.climb_max_mps, 0.1, 100.0);
+    faults.within("dynamics.lateral_overload_max", table.lateral_overload_max, 0.1, 20.0);
+    faults.within("dynamics.gravity_mps2", table.gravity_mps2, 1.0, 20.0);
+}
+
+fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
+    let (autopilot, link) = (&file.autopilot, &file.link);
+    faults.within("autopilot.setpoint_timeout_s", autopilot.setpoint_timeout_s, 0.0, 86_400.0);
+    faults.within("autopilot.loiter_radius_m", autopilot.loiter_radius_m, 1.0, 10_000.0);
+    let rate_max_hz = 0.8 / file.dynamics.integration_step_s;
+    for (key, value) in [
+        ("autopilot.heartbeat_hz", autopilot.heartbeat_hz),
+        ("autopilot.sys_status_hz", autopilot.sys_status_hz),
+        ("autopilot.system_time_hz", autopilot.system_time_hz),
+        ("autopilot.attitude_hz", autopilot.attitude_hz),
+        ("autopilot.global_position_int_hz", autopilot.global_position_int_hz),
+        ("autopilot.vfr_hud_hz", autopilot.vfr_hud_hz),
+        ("autopilot.local_position_ned_hz", autopilot.local_position_ned_hz),
+    ] {
+        faults.within(key, value, 0.0, rate_max_hz);
+    }
+    if link.host.parse::<std::net::IpAddr>().is_err() {
+        faults.add("link.host", format!("{:?}", link.host), "an IP address, such as 127.0.0.1");
+    }
+    let count = file.vehicle.len().max(file.vehicles.map_or(0, |pattern| pattern.count));
+    if let Some(port) = link.vehicle_port.filter(|&port| port > 0 && usize::from(port) + count > 65_536) {
+        faults.add("link.vehicle_port", port, format!("at most {} for {count} vehicles", 65_536_usize.saturating_sub(count)));
+    }
+    for (key, value) in [
+        ("link.loss", link.loss),
+        ("link.duplication", link.duplication),
+        ("link.reordering", link.reordering),
+    ] {
+        // A link that loses everything would wait for ever.
+        faults.within(key, value, 0.0, 0.95);
+    }
+    faults.within("link.delay_ms", link.delay_ms, 0.0, 60_000.0);
+    faults.within("link.jitter_ms", link.jitter_ms, 0.0, 60_000.0);
+    if file.output.folder.as_deref().is_some_and(|folder| folder.trim().is_empty()) {
+        faults.add("output.folder", "\"\"", "a folder's name");
+    }
+}
+
+/// No two vehicles in one place, none inside a circle.
+pub fn starts(scenario: &Scenario, faults: &mut Faults) {
+    let key = |index: usize| format!("vehicle[{}]", index + 1);
+    // Sorted by northing, only vehicles within the collision distance in x need to be compared.
+    let mut order: Vec<usize> = (0..scenario.starts.len()).collect();
+    order.sort_by(|&a, &b| scenario.starts[a].x_m.total_cmp(&scenario.starts[b].x_m));
+    for (rank, &a) in order.iter().enumerate() {
+        let first = &scenario.starts[a];
+        for &b in &order[rank + 1..] {
+            let second = &scenario.starts[b];
+            let (dx, dy) = (second.x_m - first.x_m, second.y_m - first.y_m);
+            if dx >= COLLISION_DISTANCE_M {
+                break;
+            }
+            if dx * dx + dy * dy < COLLISION_DISTANCE_M * COLLISION_DISTANCE_M {
+                let place = format!("at x {} m, y {} m", scenario.starts[a.max(b)].x_m, scenario.starts[a.max(b)].y_m);
+                let wanted = format!("at least {COLLISION_DISTANCE_M} m from vehicle {}, which starts in the same place", a.min(b) + 1);
+                faults.add(key(a.max(b)), place, wanted);
+            }
+        }
+    }
+    for (index, start) in scenario.starts.iter().enumerate() {
+        for (number, obstacle) in scenario.obstacles.iter().enumerate() {
+            let clearance_m = obstacle.clearance_m(start.x_m, start.y_m);
+            if clearance_m <= 0.0 {
+                let place = format!("at x {} m, y {} m", start.x_m, start.y_m);
+                let wanted = format!("outside obstacle {} (it starts {:.2} m inside its edge)", number + 1, -clearance_m);
+                faults.add(key(index), place, wanted);
+            }
+        }
+    }
+}

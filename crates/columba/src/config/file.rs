@@ -1,0 +1,335 @@
+//! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
+
+use controller::{LawSettings, LookAheadSettings, WeightSettings};
+use serde::Deserialize;
+
+/// The whole file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioFile {
+    #[serde(default)]
+    pub preset: Preset,
+    pub scenario: ScenarioTable,
+    pub flock: FlockTable,
+    #[serde(default, rename = "vehicle")]
+    pub vehicle: Vec<VehicleTable>,
+    pub vehicles: Option<PatternTable>,
+    #[serde(default, rename = "obstacle")]
+    pub obstacle: Vec<ObstacleTable>,
+    #[serde(default)]
+    pub law: LawSettings,
+    #[serde(default)]
+    pub weights: WeightSettings,
+    #[serde(default)]
+    pub look_ahead: LookAheadSettings,
+    #[serde(default)]
+    pub optimizer: OptimizerTable,
+    #[serde(default)]
+    pub dynamics: DynamicsTable,
+    #[serde(default)]
+    pub autopilot: AutopilotTable,
+    #[serde(default)]
+    pub link: LinkTable,
+    #[serde(default)]
+    pub output: OutputTable,
+}
+
+/// Which reading of the paper the law, the weights and the look-ahead start from; the tables of the file then change it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// What flies best, by the evidence in docs/.
+    #[default]
+    Default,
+    /// The readings of the paper that make it work as described, with its printed values.
+    Paper,
+    /// The letter of the paper.
+    Literal,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioTable {
+    pub name: String,
+    pub duration_s: f64,
+    #[serde(default = "half")]
+    pub control_period_s: f64,
+    #[serde(default = "one")]
+    pub seed: u64,
+    #[serde(default)]
+    pub origin: OriginTable,
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+fn one() -> u64 {
+    1
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OriginTable {
+    pub latitude_deg: f64,
+    pub longitude_deg: f64,
+    pub altitude_amsl_m: f64,
+}
+
+impl Default for OriginTable {
+    fn default() -> Self {
+        Self { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlockTable {
+    pub expected_speed_mps: f64,
+    #[serde(default)]
+    pub expected_course_deg: f64,
+    pub expected_altitude_m: f64,
+}
+
+/// One vehicle's start, in the air.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VehicleTable {
+    pub x_m: f64,
+    pub y_m: f64,
+    pub altitude_m: f64,
+    pub speed_mps: f64,
+    #[serde(default)]
+    pub course_deg: f64,
+}
+
+/// Many vehicles' starts.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PatternTable {
+    pub count: usize,
+    #[serde(default)]
+    pub pattern: Pattern,
+    #[serde(default = "twelve")]
+    pub spacing_m: f64,
+    #[serde(default)]
+    pub x_m: f64,
+    #[serde(default)]
+    pub y_m: f64,
+    /// The expected ones where not given.
+    pub altitude_m: Option<f64>,
+    pub speed_mps: Option<f64>,
+    pub course_deg: Option<f64>,
+}
+
+fn twelve() -> f64 {
+    PatternTable::DEFAULT.spacing_m
+}
+
+impl PatternTable {
+    /// One vehicle at the origin.
+    pub const DEFAULT: Self = Self {
+        count: 1,
+        pattern: Pattern::Grid,
+        spacing_m: 12.0,
+        x_m: 0.0,
+        y_m: 0.0,
+        altitude_m: None,
+        speed_mps: None,
+        course_deg: None,
+    };
+}
+
+/// How the starts of many vehicles are laid out; their centre is at (x_m, y_m), their front along the course.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pattern {
+    /// Abreast, square to the course.
+    Line,
+    /// Rows abreast, as square as the count allows.
+    #[default]
+    Grid,
+    /// A V open to the rear.
+    Wedge,
+    /// Anywhere in a square as large as the grid's, no two nearer than half the spacing; by the scenario's seed.
+    Random,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleTable {
+    pub x_m: f64,
+    pub y_m: f64,
+    pub radius_m: f64,
+}
+
+/// The optimiser; the names are those of `optimizer::MslpioSettings`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OptimizerTable {
+    pub algorithm: Algorithm,
+    pub base_population: usize,
+    pub dimension_setting: usize,
+    pub social_coefficient: f64,
+    pub map_and_compass_factor: f64,
+    pub iterations: usize,
+    pub removed_per_iteration: usize,
+    pub velocity_limit: f64,
+    pub archive_capacity: usize,
+}
+
+/// Which optimiser picks the weights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Algorithm {
+    /// Multi-objective social learning pigeon-inspired optimisation.
+    #[default]
+    Mslpio,
+}
+
+impl Default for OptimizerTable {
+    fn default() -> Self {
+        let defaults = optimizer::MslpioSettings::default();
+        Self {
+            algorithm: Algorithm::default(),
+            base_population: defaults.base_population,
+            dimension_setting: defaults.dimension_setting,
+            social_coefficient: defaults.social_coefficient,
+            map_and_compass_factor: defaults.map_and_compass_factor,
+            iterations: defaults.iterations,
+            removed_per_iteration: defaults.removed_per_iteration,
+            velocity_limit: defaults.velocity_limit,
+            archive_capacity: defaults.archive_capacity,
+        }
+    }
+}
+
+/// Eq. 1 and 3.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DynamicsTable {
+    pub speed_time_constant_s: f64,
+    pub course_time_constant_s: f64,
+    pub altitude_time_constant_a_s: f64,
+    pub altitude_time_constant_b_s: f64,
+    pub speed_min_mps: f64,
+    pub speed_max_mps: f64,
+    pub climb_min_mps: f64,
+    pub climb_max_mps: f64,
+    pub lateral_overload_max: f64,
+    pub gravity_mps2: f64,
+    pub integration_step_s: f64,
+}
+
+impl Default for DynamicsTable {
+    fn default() -> Self {
+        let flight_model::Dynamics { time_constants, limits } = flight_model::Dynamics::default();
+        Self {
+            speed_time_constant_s: time_constants.speed_s,
+            course_time_constant_s: time_constants.course_s,
+            altitude_time_constant_a_s: time_constants.altitude_a_s,
+            altitude_time_constant_b_s: time_constants.altitude_b_s,
+            speed_min_mps: limits.speed_min_mps,
+            speed_max_mps: limits.speed_max_mps,
+            climb_min_mps: limits.climb_min_mps,
+            climb_max_mps: limits.climb_max_mps,
+            lateral_overload_max: limits.lateral_overload_max,
+            gravity_mps2: limits.gravity_mps2,
+            integration_step_s: 0.01,
+        }
+    }
+}
+
+/// What a simulated vehicle does beside flying.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct AutopilotTable {
+    /// Without a setpoint for this long a vehicle in GUIDED loiters; 0: never.
+    pub setpoint_timeout_s: f64,
+    pub loiter_radius_m: f64,
+    /// Whether vehicles start armed; else they wait at their start until armed.
+    pub armed: bool,
+    pub heartbeat_hz: f64,
+    pub sys_status_hz: f64,
+    pub system_time_hz: f64,
+    pub attitude_hz: f64,
+    pub global_position_int_hz: f64,
+    pub vfr_hud_hz: f64,
+    pub local_position_ned_hz: f64,
+}
+
+impl Default for AutopilotTable {
+    fn default() -> Self {
+        let sim_vehicle::VehicleSettings { rates, setpoint_timeout_s, loiter_radius_m, .. } =
+            sim_vehicle::VehicleSettings::default();
+        Self {
+            setpoint_timeout_s,
+            loiter_radius_m,
+            armed: true,
+            heartbeat_hz: rates.heartbeat_hz,
+            sys_status_hz: rates.sys_status_hz,
+            system_time_hz: rates.system_time_hz,
+            attitude_hz: rates.attitude_hz,
+            global_position_int_hz: rates.global_position_int_hz,
+            vfr_hud_hz: rates.vfr_hud_hz,
+            local_position_ned_hz: rates.local_position_ned_hz,
+        }
+    }
+}
+
+/// The MAVLink link between vehicles and controller.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LinkTable {
+    /// Address that everything binds to.
+    pub host: String,
+    /// First vehicle's port; the others follow. 0: any free ports. Where absent: 14600, or any free ports for a run in
+    /// lockstep, which nobody else needs to find.
+    pub vehicle_port: Option<u16>,
+    /// Controller's port, to which vehicles send their telemetry. Where absent: 14550, or any free port for a run.
+    pub ground_port: Option<u16>,
+    /// How setpoints are written in real time.
+    pub setpoints: SetpointDialect,
+    /// Probabilities that a datagram is lost, sent twice, or overtaken by the next, each way.
+    pub loss: f64,
+    pub duplication: f64,
+    pub reordering: f64,
+    /// Delay of every datagram, and what is added to it at random, each way.
+    pub delay_ms: f64,
+    pub jitter_ms: f64,
+}
+
+/// How setpoints are written in real time; a lockstep run always uses the stamped local-ned form.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum SetpointDialect {
+    /// COMMAND_INT GUIDED_CHANGE_SPEED, _ALTITUDE and _HEADING, as ArduPlane takes them.
+    #[default]
+    Arduplane,
+    /// SET_POSITION_TARGET_LOCAL_NED with velocity and altitude.
+    LocalNed,
+}
+
+impl Default for LinkTable {
+    fn default() -> Self {
+        Self {
+            host: "127.0.0.1".to_owned(),
+            vehicle_port: None,
+            ground_port: None,
+            setpoints: SetpointDialect::default(),
+            loss: 0.0,
+            duplication: 0.0,
+            reordering: 0.0,
+            delay_ms: 0.0,
+            jitter_ms: 0.0,
+        }
+    }
+}
+
+/// Where a run is written.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputTable {
+    /// The run's folder; `runs/<name>` where absent.
+    pub folder: Option<String>,
+}

@@ -1,0 +1,60 @@
+//! Starts of many vehicles.
+
+use super::file::{Pattern, PatternTable};
+use flight_model::State;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+/// The starts of a pattern whose vehicles fly as `like` does. `seed` places random ones.
+pub fn starts(table: &PatternTable, like: &State, seed: u64) -> Vec<State> {
+    let (sin, cos) = libm::sincos(like.course_rad);
+    offsets(table, seed)
+        .into_iter()
+        .map(|(ahead_m, right_m)| State {
+            x_m: table.x_m + ahead_m * cos - right_m * sin,
+            y_m: table.y_m + ahead_m * sin + right_m * cos,
+            ..*like
+        })
+        .collect()
+}
+
+/// (ahead, right) of the centre, m.
+fn offsets(table: &PatternTable, seed: u64) -> Vec<(f64, f64)> {
+    let (count, spacing_m) = (table.count, table.spacing_m);
+    let columns = (count as f64).sqrt().ceil().max(1.0) as usize;
+    match table.pattern {
+        Pattern::Line => (0..count).map(|i| (0.0, (i as f64 - 0.5 * (count as f64 - 1.0)) * spacing_m)).collect(),
+        Pattern::Grid => (0..count)
+            .map(|i| {
+                let (row, column) = ((i / columns) as f64, (i % columns) as f64);
+                (-row * spacing_m, (column - 0.5 * (columns as f64 - 1.0)) * spacing_m)
+            })
+            .collect(),
+        Pattern::Wedge => (0..count)
+            .map(|i| {
+                let rank = i.div_ceil(2) as f64;
+                let side = if i % 2 == 1 { -1.0 } else { 1.0 };
+                (-rank * spacing_m * std::f64::consts::FRAC_1_SQRT_2, side * rank * spacing_m * std::f64::consts::FRAC_1_SQRT_2)
+            })
+            .collect(),
+        Pattern::Random => random(count, columns as f64 * spacing_m, 0.5 * spacing_m, seed),
+    }
+}
+
+/// Places in a square, no two nearer than `apart_m`: at half the grid's spacing a square as large as the grid's is never
+/// crowded, so that throwing again always ends.
+fn random(count: usize, side_m: f64, apart_m: f64, seed: u64) -> Vec<(f64, f64)> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut places: Vec<(f64, f64)> = Vec::with_capacity(count);
+    while places.len() < count {
+        let (ahead_m, right_m) = (rng.random_range(-side_m..=0.0), rng.random_range(-0.5 * side_m..=0.5 * side_m));
+        let free = places.iter().all(|&(x, y)| {
+            let (dx, dy) = (x - ahead_m, y - right_m);
+            dx * dx + dy * dy >= apart_m * apart_m
+        });
+        if free {
+            places.push((ahead_m, right_m));
+        }
+    }
+    places
+}

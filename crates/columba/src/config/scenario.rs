@@ -1,0 +1,217 @@
+//! A checked scenario: what flies.
+
+use super::file::{Algorithm, AutopilotTable, OptimizerTable, PatternTable, Preset, ScenarioFile, SetpointDialect};
+use super::patterns;
+use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
+use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
+use mavlink_bridge::ImpairmentSettings;
+use optimizer::MslpioSettings;
+use std::net::IpAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// A flight as it is to be flown: every value is in its range.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    pub name: String,
+    pub seed: u64,
+    pub preset: Preset,
+    pub algorithm: Algorithm,
+    pub duration: Duration,
+    pub control_period: Duration,
+    pub integration_step: Duration,
+    pub frame: LocalFrame,
+    pub expected: Expected,
+    pub starts: Vec<State>,
+    pub obstacles: Vec<Obstacle>,
+    pub dynamics: Dynamics,
+    pub controller: ControllerSettings,
+    pub optimizer: MslpioSettings,
+    pub autopilot: AutopilotTable,
+    pub link: Link,
+    pub folder: PathBuf,
+}
+
+/// The link between vehicles and controller.
+#[derive(Clone, Copy, Debug)]
+pub struct Link {
+    pub host: IpAddr,
+    pub vehicle_port: Option<u16>,
+    pub ground_port: Option<u16>,
+    pub setpoints: SetpointDialect,
+    /// The same each way.
+    pub impairment: ImpairmentSettings,
+}
+
+/// What the command line changes of a file.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    pub seed: Option<u64>,
+    pub preset: Option<Preset>,
+    pub duration_s: Option<f64>,
+    pub folder: Option<PathBuf>,
+    pub vehicle_port: Option<u16>,
+    pub ground_port: Option<u16>,
+    pub loss: Option<f64>,
+    /// Replaces the file's vehicles by so many in a pattern.
+    pub count: Option<usize>,
+}
+
+impl Overrides {
+    pub(super) fn apply(&self, file: &mut ScenarioFile) {
+        let replace = |value: &mut Option<u16>, with: Option<u16>| *value = with.or(*value);
+        replace(&mut file.link.vehicle_port, self.vehicle_port);
+        replace(&mut file.link.ground_port, self.ground_port);
+        file.scenario.seed = self.seed.unwrap_or(file.scenario.seed);
+        file.scenario.duration_s = self.duration_s.unwrap_or(file.scenario.duration_s);
+        file.preset = self.preset.unwrap_or(file.preset);
+        file.link.loss = self.loss.unwrap_or(file.link.loss);
+        if let Some(folder) = &self.folder {
+            file.output.folder = Some(folder.display().to_string());
+        }
+        if let Some(count) = self.count {
+            file.vehicle.clear();
+            let pattern = file.vehicles.take();
+            file.vehicles = Some(PatternTable { count, ..pattern.unwrap_or(PatternTable::DEFAULT) });
+        }
+    }
+}
+
+impl Scenario {
+    /// From a file whose settings are all in range.
+    pub(super) fn new(file: ScenarioFile) -> Self {
+        let expected = Expected {
+            speed_mps: file.flock.expected_speed_mps,
+            course_rad: flight_model::wrap_pi(file.flock.expected_course_deg.to_radians()),
+            altitude_m: file.flock.expected_altitude_m,
+        };
+        let origin = file.scenario.origin;
+        let folder = file.output.folder.clone().map_or_else(|| default_folder(&file.scenario.name), PathBuf::from);
+        Self {
+            starts: starts(&file, &expected),
+            obstacles: file
+                .obstacle
+                .iter()
+                .map(|circle| Obstacle { x_m: circle.x_m, y_m: circle.y_m, radius_m: circle.radius_m })
+                .collect(),
+            seed: file.scenario.seed,
+            preset: file.preset,
+            algorithm: file.optimizer.algorithm,
+            duration: whole_ms(file.scenario.duration_s),
+            control_period: whole_ms(file.scenario.control_period_s),
+            integration_step: whole_ms(file.dynamics.integration_step_s),
+            frame: LocalFrame::new(Geodetic {
+                latitude_deg: origin.latitude_deg,
+                longitude_deg: origin.longitude_deg,
+                altitude_amsl_m: origin.altitude_amsl_m,
+            }),
+            expected,
+            dynamics: dynamics(&file),
+            controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
+            optimizer: optimizer_settings(&file.optimizer),
+            autopilot: file.autopilot,
+            link: Link {
+                host: file.link.host.parse().unwrap_or(IpAddr::from([127, 0, 0, 1])),
+                vehicle_port: file.link.vehicle_port,
+                ground_port: file.link.ground_port,
+                setpoints: file.link.setpoints,
+                impairment: ImpairmentSettings {
+                    loss: file.link.loss,
+                    duplication: file.link.duplication,
+                    reordering: file.link.reordering,
+                    delay_ms: file.link.delay_ms,
+                    jitter_ms: file.link.jitter_ms,
+                },
+            },
+            folder,
+            name: file.scenario.name,
+        }
+    }
+
+    /// Control periods of the flight; the last one is flown whole.
+    pub fn ticks(&self) -> u64 {
+        let (duration, period) = (self.duration.as_millis(), self.control_period.as_millis().max(1));
+        u64::try_from(duration.div_ceil(period)).unwrap_or(u64::MAX)
+    }
+
+    /// The flock that flies it.
+    pub fn flock_settings(&self) -> FlockSettings {
+        FlockSettings {
+            controller: self.controller.clone(),
+            optimizer: self.optimizer.clone(),
+            seed: self.seed,
+            control_period_s: self.control_period.as_secs_f64(),
+            expected: self.expected,
+            obstacles: self.obstacles.clone(),
+            dynamics: self.dynamics,
+        }
+    }
+}
+
+/// The table as the optimiser takes it.
+pub(super) fn optimizer_settings(table: &OptimizerTable) -> MslpioSettings {
+    MslpioSettings {
+        base_population: table.base_population,
+        dimension_setting: table.dimension_setting,
+        social_coefficient: table.social_coefficient,
+        map_and_compass_factor: table.map_and_compass_factor,
+        iterations: table.iterations,
+        removed_per_iteration: table.removed_per_iteration,
+        velocity_limit: table.velocity_limit,
+        archive_capacity: table.archive_capacity,
+    }
+}
+
+fn starts(file: &ScenarioFile, expected: &Expected) -> Vec<State> {
+    let state = |x_m: f64, y_m: f64, altitude_m: f64, speed_mps: f64, course_deg: f64| State {
+        x_m,
+        y_m,
+        altitude_m,
+        speed_mps,
+        course_rad: flight_model::wrap_pi(course_deg.to_radians()),
+        climb_mps: 0.0,
+    };
+    match &file.vehicles {
+        Some(pattern) => {
+            let like = state(
+                0.0,
+                0.0,
+                pattern.altitude_m.unwrap_or(expected.altitude_m),
+                pattern.speed_mps.unwrap_or(expected.speed_mps),
+                pattern.course_deg.unwrap_or(expected.course_rad.to_degrees()),
+            );
+            patterns::starts(pattern, &like, file.scenario.seed)
+        }
+        None => file.vehicle.iter().map(|v| state(v.x_m, v.y_m, v.altitude_m, v.speed_mps, v.course_deg)).collect(),
+    }
+}
+
+fn dynamics(file: &ScenarioFile) -> Dynamics {
+    let table = &file.dynamics;
+    Dynamics {
+        time_constants: TimeConstants {
+            speed_s: table.speed_time_constant_s,
+            course_s: table.course_time_constant_s,
+            altitude_a_s: table.altitude_time_constant_a_s,
+            altitude_b_s: table.altitude_time_constant_b_s,
+        },
+        limits: Limits {
+            speed_min_mps: table.speed_min_mps,
+            speed_max_mps: table.speed_max_mps,
+            climb_min_mps: table.climb_min_mps,
+            climb_max_mps: table.climb_max_mps,
+            lateral_overload_max: table.lateral_overload_max,
+            gravity_mps2: table.gravity_mps2,
+        },
+    }
+}
+
+fn whole_ms(seconds: f64) -> Duration {
+    Duration::from_millis((seconds * 1e3).round() as u64)
+}
+
+/// `runs/<name>`, whatever the name holds.
+fn default_folder(name: &str) -> PathBuf {
+    let safe = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '-' };
+    PathBuf::from("runs").join(name.trim().chars().map(safe).collect::<String>())
+}
