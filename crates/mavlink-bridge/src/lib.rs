@@ -1,1 +1,46 @@
-//! mavlink-bridge
+//! Everything that is MAVLink on the wire: framing, telemetry, setpoints, UDP links and what impairs them, logs.
+//!
+//! This is the only room of the house that names the MAVLink crate; its messages leave here as [`Message`], its enums
+//! and payload structs as [`dialect`]. All but [`udp`] is sans-I/O: bytes and times are arguments.
+//!
+//! ```
+//! use mavlink_bridge::{Counters, Encoder, Message, frames, local_position_ned, state_from_local_position};
+//! use std::time::Duration;
+//!
+//! let state = flight_model::State { altitude_m: 50.0, speed_mps: 9.0, ..Default::default() };
+//! let mut datagram = Vec::new();
+//! Encoder::new(1, 1).encode(&local_position_ned(Duration::from_millis(500), &state), &mut datagram);
+//!
+//! let mut counters = Counters::default();
+//! for frame in frames(&datagram, &mut counters) {
+//!     assert_eq!(frame.header.system_id, 1);
+//!     if let Ok(Message::LOCAL_POSITION_NED(position)) = frame.message() {
+//!         assert_eq!(state_from_local_position(&position), state);
+//!     }
+//! }
+//! assert_eq!(counters.frames, 1);
+//! ```
+
+pub mod command;
+pub mod counters;
+pub mod dialect;
+pub mod encoder;
+pub mod frame;
+pub mod impairment;
+pub mod setpoint;
+pub mod telemetry;
+pub mod tlog;
+pub mod udp;
+
+pub use command::{CommandKind, RawCommand, raw_command};
+pub use counters::{Counters, SequenceTracker};
+pub use dialect::{Message, Target};
+pub use encoder::Encoder;
+pub use frame::{Frame, FrameError, Header, Version, frames, messages};
+pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
+pub use setpoint::{
+    PartialSetpoint, SetpointRefusal, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
+};
+pub use telemetry::{boot_ms, local_position_ned, state_from_local_position, wire_round};
+pub use tlog::{TlogError, TlogReader, TlogRecord, TlogWriter};
+pub use udp::{LinkError, LinkSettings, UdpLink};

@@ -1,0 +1,83 @@
+//! From messages to frames.
+
+use crate::dialect::{COMMAND_ACK_DATA, DialectMessage, MavResult, Message};
+use crate::frame::{CHECKSUM, V1_HEADER, V1_START, V2_HEADER, V2_START, checksum, checksum_extra};
+use crate::{Target, Version};
+use mavlink::{MavlinkVersion, MessageData};
+
+/// Writes the frames of one sender, and counts their sequence number.
+#[derive(Clone, Debug)]
+pub struct Encoder {
+    /// System id of the sender.
+    pub system_id: u8,
+    /// Component id of the sender.
+    pub component_id: u8,
+    /// Version to write. A message that MAVLink 1 cannot carry, having an id above 255, is written as MAVLink 2 all the
+    /// same: a peer that knows only MAVLink 1 passes over it.
+    pub version: Version,
+    sequence: u8,
+}
+
+/// The longest payload.
+const PAYLOAD_MAX: usize = 255;
+
+impl Encoder {
+    /// An encoder that writes MAVLink 2.
+    pub fn new(system_id: u8, component_id: u8) -> Self {
+        Self { system_id, component_id, version: Version::V2, sequence: 0 }
+    }
+
+    /// The same encoder, writing `version`.
+    pub fn with_version(mut self, version: Version) -> Self {
+        self.version = version;
+        self
+    }
+
+    /// Appends `message` to `out` as one frame.
+    pub fn encode(&mut self, message: &Message, out: &mut Vec<u8>) {
+        self.write_frame(message.message_id(), out, |version, payload| message.ser(version, payload));
+    }
+
+    /// Appends a COMMAND_ACK for a command by its number, which the dialect need not know
+    /// (<https://mavlink.io/en/messages/common.html#COMMAND_ACK>).
+    pub fn encode_command_ack_raw(&mut self, command: u16, result: MavResult, target: Target, out: &mut Vec<u8>) {
+        self.write_frame(COMMAND_ACK_DATA::ID, out, |version, payload| {
+            let [low, high] = command.to_le_bytes();
+            let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
+            payload[..fields.len()].copy_from_slice(&fields);
+            match version {
+                MavlinkVersion::V1 => 3,
+                MavlinkVersion::V2 => mavlink::utils::remove_trailing_zeroes(&fields),
+            }
+        });
+    }
+
+    fn write_frame(&mut self, id: u32, out: &mut Vec<u8>, write: impl FnOnce(MavlinkVersion, &mut [u8]) -> usize) {
+        let start = out.len();
+        let [id_0, id_1, id_2, _] = id.to_le_bytes();
+        let sender = [self.sequence, self.system_id, self.component_id];
+        let version = match self.version {
+            Version::V1 if id <= 255 => MavlinkVersion::V1,
+            _ => MavlinkVersion::V2,
+        };
+        let header_length = match version {
+            MavlinkVersion::V1 => {
+                out.extend_from_slice(&[V1_START, 0, sender[0], sender[1], sender[2], id_0]);
+                V1_HEADER
+            }
+            MavlinkVersion::V2 => {
+                out.extend_from_slice(&[V2_START, 0, 0, 0, sender[0], sender[1], sender[2], id_0, id_1, id_2]);
+                V2_HEADER
+            }
+        };
+        let payload_start = start + header_length;
+        out.resize(payload_start + PAYLOAD_MAX, 0);
+        let length = write(version, &mut out[payload_start..]).min(PAYLOAD_MAX);
+        out.truncate(payload_start + length);
+        out[start + 1] = length as u8;
+        let crc = checksum(&out[start + 1..], checksum_extra(id).unwrap_or(0));
+        out.reserve(CHECKSUM);
+        out.extend_from_slice(&crc.to_le_bytes());
+        self.sequence = self.sequence.wrapping_add(1);
+    }
+}

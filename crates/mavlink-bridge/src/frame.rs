@@ -1,0 +1,273 @@
+//! From a datagram to frames, MAVLink 1 and 2 (<https://mavlink.io/en/guide/serialization.html>).
+
+use crate::dialect::{DialectMessage, Message};
+use crate::{Counters, Target};
+use mavlink::MavlinkVersion;
+use mavlink::error::ParserError;
+
+/// Protocol version of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Version {
+    /// MAVLink 1: message ids to 255, no truncation, no signature.
+    V1,
+    /// MAVLink 2.
+    #[default]
+    V2,
+}
+
+/// The header of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// System id of the sender.
+    pub system_id: u8,
+    /// Component id of the sender.
+    pub component_id: u8,
+    /// Sequence number, one more for each frame of this sender.
+    pub sequence: u8,
+    /// Message id.
+    pub message_id: u32,
+    /// Protocol version.
+    pub version: Version,
+}
+
+/// One frame, where it lies in its datagram.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// Its header.
+    pub header: Header,
+    /// The whole frame as on the wire, from the start byte to the checksum or signature.
+    pub bytes: &'a [u8],
+}
+
+/// Why a frame gives no message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FrameError {
+    /// The message id is not in the dialect.
+    #[error("message id {0} is not in the dialect")]
+    UnknownMessage(u32),
+    /// A field holds a value that its enum does not have.
+    #[error("{enum_type} has no value {value}")]
+    InvalidValue {
+        /// The name of the enum.
+        enum_type: &'static str,
+        /// The value in the field.
+        value: u64,
+    },
+    /// The bytes are no whole frame.
+    #[error("the bytes are no whole frame")]
+    Malformed,
+    /// The checksum is wrong.
+    #[error("the checksum is wrong")]
+    BadChecksum,
+    /// The frame has incompatibility flags that we do not understand.
+    #[error("incompatibility flags {0:#04x} are not understood")]
+    IncompatibleFlags(u8),
+}
+
+impl<'a> Frame<'a> {
+    /// The frame at the start of `bytes`, whatever follows it; its checksum is verified.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, FrameError> {
+        let candidate = Candidate::at_start_of(bytes).ok_or(FrameError::Malformed)?;
+        candidate.verify()?;
+        Ok(candidate.frame)
+    }
+
+    /// The payload, without the zeros that MAVLink 2 leaves out at its end.
+    pub fn payload(&self) -> &'a [u8] {
+        let (header_length, trailer_length) = match self.header.version {
+            Version::V1 => (V1_HEADER, CHECKSUM),
+            Version::V2 => (V2_HEADER, CHECKSUM + signature_length(self.bytes.get(2).copied().unwrap_or(0))),
+        };
+        let end = self.bytes.len().saturating_sub(trailer_length);
+        self.bytes.get(header_length..end).unwrap_or(&[])
+    }
+
+    /// The message in the frame.
+    pub fn message(&self) -> Result<Message, FrameError> {
+        let version = match self.header.version {
+            Version::V1 => MavlinkVersion::V1,
+            Version::V2 => MavlinkVersion::V2,
+        };
+        Message::parse(version, self.header.message_id, self.payload()).map_err(|error| match error {
+            ParserError::InvalidEnum { enum_type, value } => FrameError::InvalidValue { enum_type, value },
+            ParserError::UnknownMessage { id } => FrameError::UnknownMessage(id),
+            ParserError::InvalidPayloadSize { .. } | ParserError::BytesError(_) => FrameError::Malformed,
+        })
+    }
+}
+
+/// The frames of a datagram whose message ids we know and whose checksums are right; everything else is counted.
+///
+/// The datagram is searched from one start byte to the next. Where a frame stands whole, with the right checksum, it is
+/// yielded and the search goes on behind it. Where what looks like a frame is not one that we can trust (wrong checksum,
+/// unknown id, flags that we do not understand) its length can be trusted only if it ends with the datagram or where
+/// another start byte stands: then it is counted and passed over as a whole. Otherwise the start byte was garbage.
+/// Signatures are accepted and not verified.
+pub fn frames<'a, 'c>(datagram: &'a [u8], counters: &'c mut Counters) -> Frames<'a, 'c> {
+    counters.datagrams = counters.datagrams.saturating_add(1);
+    counters.bytes = counters.bytes.saturating_add(datagram.len() as u64);
+    Frames { rest: datagram, counters }
+}
+
+/// The frames of a datagram with their messages. Frames whose message cannot be read are yielded with the reason, and
+/// counted as `invalid_value`.
+pub fn messages<'a>(
+    datagram: &'a [u8],
+    counters: &mut Counters,
+) -> impl Iterator<Item = (Frame<'a>, Result<Message, FrameError>)> {
+    let mut frames = frames(datagram, counters);
+    std::iter::from_fn(move || {
+        let frame = frames.next()?;
+        let message = frame.message();
+        if message.is_err() {
+            frames.counters.invalid_value = frames.counters.invalid_value.saturating_add(1);
+        }
+        Some((frame, message))
+    })
+}
+
+/// See [`frames`].
+#[derive(Debug)]
+pub struct Frames<'a, 'c> {
+    rest: &'a [u8],
+    counters: &'c mut Counters,
+}
+
+impl<'a> Iterator for Frames<'a, '_> {
+    type Item = Frame<'a>;
+
+    fn next(&mut self) -> Option<Frame<'a>> {
+        loop {
+            self.skip_to_start_byte();
+            if self.rest.is_empty() {
+                return None;
+            }
+            let Some(candidate) = Candidate::at_start_of(self.rest) else {
+                self.skip_malformed(1);
+                continue;
+            };
+            let (_, behind) = self.rest.split_at(candidate.frame.bytes.len());
+            let counter = match candidate.verify() {
+                Ok(()) => {
+                    self.rest = behind;
+                    self.counters.frames = self.counters.frames.saturating_add(1);
+                    return Some(candidate.frame);
+                }
+                Err(_) if !behind.first().is_none_or(|&byte| is_start_byte(byte)) => {
+                    self.skip_malformed(1);
+                    continue;
+                }
+                Err(FrameError::BadChecksum) => &mut self.counters.bad_checksum,
+                Err(FrameError::IncompatibleFlags(_)) => &mut self.counters.incompatible_flags,
+                Err(_) => &mut self.counters.unknown_message,
+            };
+            *counter = counter.saturating_add(1);
+            self.rest = behind;
+        }
+    }
+}
+
+impl Frames<'_, '_> {
+    fn skip_to_start_byte(&mut self) {
+        let garbage = self.rest.iter().position(|&byte| is_start_byte(byte)).unwrap_or(self.rest.len());
+        self.skip_malformed(garbage);
+    }
+
+    fn skip_malformed(&mut self, bytes: usize) {
+        self.rest = self.rest.get(bytes..).unwrap_or(&[]);
+        self.counters.malformed_bytes = self.counters.malformed_bytes.saturating_add(bytes as u64);
+    }
+}
+
+pub(crate) const V1_START: u8 = 0xFE;
+pub(crate) const V2_START: u8 = 0xFD;
+pub(crate) const V1_HEADER: usize = 6;
+pub(crate) const V2_HEADER: usize = 10;
+pub(crate) const CHECKSUM: usize = 2;
+const SIGNATURE: usize = 13;
+/// The incompatibility flag of a signed frame, MAVLINK_IFLAG_SIGNED.
+const SIGNED: u8 = 0x01;
+
+/// Checksum of a frame's bytes between its start byte and its checksum (CRC-16/MCRF4XX, with CRC_EXTRA).
+pub(crate) fn checksum(covered: &[u8], extra: u8) -> u16 {
+    mavlink::calculate_crc(covered, extra)
+}
+
+/// CRC_EXTRA of a message id, none if the dialect does not have it.
+pub(crate) fn checksum_extra(message_id: u32) -> Option<u8> {
+    match Message::extra_crc(message_id) {
+        // The crate says 0 for ids that it does not know, and one message has 0 by chance.
+        0 => Message::default_message_from_id(message_id).map(|_| 0),
+        extra => Some(extra),
+    }
+}
+
+fn is_start_byte(byte: u8) -> bool {
+    byte == V1_START || byte == V2_START
+}
+
+fn signature_length(incompatibility_flags: u8) -> usize {
+    if incompatibility_flags & SIGNED == 0 { 0 } else { SIGNATURE }
+}
+
+/// Bytes that have the shape of a frame: a start byte, a header, and the length that the header says.
+struct Candidate<'a> {
+    frame: Frame<'a>,
+    incompatibility_flags: u8,
+}
+
+impl<'a> Candidate<'a> {
+    fn at_start_of(bytes: &'a [u8]) -> Option<Self> {
+        let (header, incompatibility_flags) = match *bytes {
+            [V1_START, _, sequence, system_id, component_id, message_id, ..] => {
+                let message_id = u32::from(message_id);
+                let header = Header { system_id, component_id, sequence, message_id, version: Version::V1 };
+                (header, 0)
+            }
+            [V2_START, _, flags, _, sequence, system_id, component_id, id_0, id_1, id_2, ..] => {
+                let message_id = u32::from_le_bytes([id_0, id_1, id_2, 0]);
+                let header = Header { system_id, component_id, sequence, message_id, version: Version::V2 };
+                (header, flags)
+            }
+            _ => return None,
+        };
+        let length = Frame::length(*bytes.first()?, *bytes.get(1)?, incompatibility_flags)?;
+        let frame = Frame { header, bytes: bytes.get(..length)? };
+        Some(Self { frame, incompatibility_flags })
+    }
+
+    fn verify(&self) -> Result<(), FrameError> {
+        let unknown_flags = self.incompatibility_flags & !SIGNED;
+        if unknown_flags != 0 {
+            return Err(FrameError::IncompatibleFlags(unknown_flags));
+        }
+        let id = self.frame.header.message_id;
+        let extra = checksum_extra(id).ok_or(FrameError::UnknownMessage(id))?;
+        let end = self.frame.bytes.len() - CHECKSUM - signature_length(self.incompatibility_flags);
+        let (covered, trailer) = self.frame.bytes.split_at(end);
+        let expected = checksum(&covered[1..], extra).to_le_bytes();
+        if trailer.starts_with(&expected) { Ok(()) } else { Err(FrameError::BadChecksum) }
+    }
+}
+
+impl Frame<'_> {
+    /// Length of a frame in bytes by its first three; none if the first is no start byte.
+    pub(crate) fn length(start: u8, payload_length: u8, incompatibility_flags: u8) -> Option<usize> {
+        let payload_length = usize::from(payload_length);
+        match start {
+            V1_START => Some(V1_HEADER + payload_length + CHECKSUM),
+            V2_START => Some(V2_HEADER + payload_length + CHECKSUM + signature_length(incompatibility_flags)),
+            _ => None,
+        }
+    }
+
+    /// Whom a command is addressed to; see [`crate::raw_command`].
+    pub(crate) fn target_at(&self, offset: usize) -> Target {
+        Target { system_id: self.payload_byte(offset), component_id: self.payload_byte(offset + 1) }
+    }
+
+    /// A byte of the payload; zeros at its end are not sent.
+    pub(crate) fn payload_byte(&self, offset: usize) -> u8 {
+        self.payload().get(offset).copied().unwrap_or(0)
+    }
+}
