@@ -1,1 +1,23 @@
-//! sim-vehicle
+//! One simulated autopilot as a sans-I/O MAVLink state machine, and the host that runs many.
+//!
+//! [`Vehicle`] flies the model of Eq. 1-3 and speaks MAVLink as ArduPlane does in GUIDED. It takes datagrams and times and
+//! gives datagrams and states; [`Host`] lends sockets and a clock to any number of them.
+
+mod commands;
+mod counters;
+mod endpoint;
+mod flight;
+mod host;
+mod links;
+mod lockstep;
+mod loiter;
+mod mode;
+mod settings;
+mod telemetry;
+mod vehicle;
+
+pub use counters::VehicleCounters;
+pub use host::{Advance, Clock, Host, HostError, HostReport, HostSettings, Observer};
+pub use mode::{Mode, NoSuchMode};
+pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
+pub use vehicle::{PeerId, SetpointRefused, Transmit, Vehicle};

@@ -1,0 +1,296 @@
+//! What COMMAND_LONG and COMMAND_INT make the vehicle do, accepted and refused as ArduPlane does.
+//!
+//! Where it differs: param 3 of GUIDED_CHANGE_ALTITUDE is the rate of climb that it is documented to be (broken in
+//! ArduPlane since 4.6); terrain is as high as home; the air is still, so that a heading is a course and an airspeed a
+//! ground speed; a number that is not finite is DENIED; and a vehicle in flight cannot be disarmed, not even by force.
+
+// Clients still speak what the dialect calls superseded, and ArduPlane answers.
+#![allow(deprecated)]
+
+use crate::settings::RATE_PER_STEP_MAX;
+use crate::telemetry::Stream;
+use crate::{Mode, Vehicle};
+use mavlink_bridge::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavModeFlag, MavResult};
+use std::time::Duration;
+
+/// A command, whichever message carried it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Command {
+    command: MavCmd,
+    params: [f32; 4],
+    /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
+    z: f32,
+    frame: MavFrame,
+}
+
+/// Why a command is not obeyed.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    pub result: MavResult,
+    /// For a STATUSTEXT, at most 50 characters.
+    pub reason: Option<String>,
+}
+
+impl From<&COMMAND_LONG_DATA> for Command {
+    fn from(data: &COMMAND_LONG_DATA) -> Self {
+        Self {
+            command: data.command,
+            params: [data.param1, data.param2, data.param3, data.param4],
+            z: data.param7,
+            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home.
+            frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        }
+    }
+}
+
+impl From<&COMMAND_INT_DATA> for Command {
+    fn from(data: &COMMAND_INT_DATA) -> Self {
+        Self {
+            command: data.command,
+            params: [data.param1, data.param2, data.param3, data.param4],
+            z: data.z,
+            frame: data.frame,
+        }
+    }
+}
+
+impl Command {
+    /// DO_SET_MODE, for the SET_MODE message that came before it. The number of a mode is exact in an f32 up to 2^24;
+    /// beyond that there are no modes.
+    pub fn set_mode(custom: bool, custom_mode: u32) -> Self {
+        let base_mode = if custom { MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits() } else { 0 };
+        Self {
+            command: MavCmd::MAV_CMD_DO_SET_MODE,
+            params: [f32::from(base_mode), custom_mode as f32, 0.0, 0.0],
+            z: 0.0,
+            frame: MavFrame::MAV_FRAME_GLOBAL,
+        }
+    }
+}
+
+impl Refusal {
+    fn new(result: MavResult, reason: impl Into<String>) -> Self {
+        Self { result, reason: Some(reason.into()) }
+    }
+
+    fn denied(reason: impl Into<String>) -> Self {
+        Self::new(MavResult::MAV_RESULT_DENIED, reason)
+    }
+
+    fn failed(reason: impl Into<String>) -> Self {
+        Self::new(MavResult::MAV_RESULT_FAILED, reason)
+    }
+
+    fn unsupported() -> Self {
+        Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None }
+    }
+
+    /// For a command message with a value that the dialect does not know: either the command itself, or, in a command
+    /// that is known here, its frame.
+    pub fn unreadable(number: u16) -> Self {
+        const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
+        match number {
+            GUIDED_CHANGE_ALTITUDE => Self::denied("Altitude: unknown frame"),
+            _ => Self::unsupported(),
+        }
+    }
+}
+
+/// Params are compared as integers with what follows the point cut off, as ArduPlane does.
+fn integer(param: f32) -> i64 {
+    param as i64
+}
+
+/// A limit of zero means none.
+fn limit_or_none(limit: f32) -> f64 {
+    if limit == 0.0 { f64::INFINITY } else { f64::from(limit.abs()) }
+}
+
+fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
+    if values.iter().all(|value| value.is_finite()) {
+        Ok(())
+    } else {
+        Err(Refusal::denied(format!("{name}: a parameter is not finite")))
+    }
+}
+
+impl Vehicle {
+    /// Obeys a command that came over a link, or says why not; nothing is changed then.
+    pub(crate) fn execute(&mut self, command: &Command, link: usize) -> Result<(), Refusal> {
+        let [p1, p2, p3, _] = command.params;
+        match command.command {
+            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm(p1),
+            MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
+            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => {
+                self.set_mode(Mode::Loiter);
+                Ok(())
+            }
+            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => {
+                self.set_mode(Mode::Rtl);
+                Ok(())
+            }
+            MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: it starts in the air")),
+            MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
+            MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => self.guided_altitude(p3, command.z, command.frame),
+            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.guided_heading([p1, p2, p3]),
+            MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.change_speed([p1, p2]),
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => self.set_message_interval([p1, p2], link),
+            MavCmd::MAV_CMD_REQUEST_MESSAGE => self.request_message(p1, link),
+            MavCmd::MAV_CMD_GET_HOME_POSITION => {
+                self.send_stream(link, Stream::HomePosition);
+                Ok(())
+            }
+            _ => Err(Refusal::unsupported()),
+        }
+    }
+
+    fn arm_or_disarm(&mut self, p1: f32) -> Result<(), Refusal> {
+        if p1 == 1.0 {
+            if !self.flight.is_armed() {
+                self.flight.arm();
+                self.restart_setpoint_timeout();
+            }
+            Ok(())
+        } else if p1 == 0.0 {
+            if self.flight.is_armed() { Err(Refusal::failed("Disarm: it is flying")) } else { Ok(()) }
+        } else {
+            Err(Refusal::unsupported())
+        }
+    }
+
+    fn change_mode(&mut self, base_mode: f32, custom_mode: f32) -> Result<(), Refusal> {
+        check_finite("Mode", &[base_mode, custom_mode])?;
+        let custom_flag = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
+        if integer(base_mode) & custom_flag == 0 {
+            return Err(Refusal::denied("Mode: only custom modes are known"));
+        }
+        // A cast of what is negative or too large takes the bound, which is no mode.
+        let number = u32::try_from(integer(custom_mode)).unwrap_or(u32::MAX);
+        let mode = Mode::from_number(number).map_err(|error| Refusal::failed(error.to_string()))?;
+        self.set_mode(mode);
+        Ok(())
+    }
+
+    fn check_guided_command(&self, name: &str) -> Result<(), Refusal> {
+        match self.mode() {
+            Mode::Guided => Ok(()),
+            other => Err(Refusal::failed(format!("{name}: mode is {other}"))),
+        }
+    }
+
+    fn check_speed(&self, speed_mps: f32) -> Result<(), Refusal> {
+        let limits = self.flight.limits();
+        if (limits.speed_min_mps..=limits.speed_max_mps).contains(&f64::from(speed_mps)) {
+            Ok(())
+        } else {
+            let range = format!("[{}, {}]", limits.speed_min_mps, limits.speed_max_mps);
+            Err(Refusal::failed(format!("Speed {speed_mps} m/s is outside {range}")))
+        }
+    }
+
+    /// Param 1: type, only airspeed (0). Param 2: m/s. Param 3: acceleration in m/s2, 0 for at once, its sign ignored.
+    fn guided_speed(&mut self, [kind, speed_mps, acceleration_mps2]: [f32; 3]) -> Result<(), Refusal> {
+        self.check_guided_command("Speed")?;
+        check_finite("Speed", &[kind, speed_mps, acceleration_mps2])?;
+        if integer(kind) != 0 {
+            return Err(Refusal::denied("Speed: only airspeed can be set"));
+        }
+        self.check_speed(speed_mps)?;
+        self.restart_setpoint_timeout();
+        // A repeat is accepted and changes nothing, not even the acceleration.
+        if self.flight.speed_target_mps() != f64::from(speed_mps) {
+            self.flight.set_speed(f64::from(speed_mps), limit_or_none(acceleration_mps2));
+        }
+        Ok(())
+    }
+
+    /// z: m, above what the frame says. Param 3: rate in m/s, 0 for as fast as it flies.
+    fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: MavFrame) -> Result<(), Refusal> {
+        self.check_guided_command("Altitude")?;
+        check_finite("Altitude", &[rate_mps, z])?;
+        if z == 0.0 || z == -1.0 {
+            return Err(Refusal::denied(format!("Altitude: {z} m is not accepted")));
+        }
+        let altitude_m = match frame {
+            MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => {
+                f64::from(z) - self.settings.frame.origin().altitude_amsl_m
+            }
+            MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT
+            | MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
+            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT
+            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => f64::from(z),
+            other => return Err(Refusal::denied(format!("Altitude: frame {} is not accepted", other as u32))),
+        };
+        self.flight.set_altitude(altitude_m, limit_or_none(rate_mps));
+        self.restart_setpoint_timeout();
+        Ok(())
+    }
+
+    /// Param 1: course over ground (0), heading (1), or neither any more (2). Param 2: degrees. Param 3: greatest lateral
+    /// acceleration in m/s2, at least 0.05, and never more than the vehicle's own limit.
+    fn guided_heading(&mut self, [kind, course_deg, lateral_mps2]: [f32; 3]) -> Result<(), Refusal> {
+        self.check_guided_command("Heading")?;
+        check_finite("Heading", &[kind, course_deg, lateral_mps2])?;
+        if !(0.0..360.0).contains(&course_deg) {
+            return Err(Refusal::denied(format!("Heading {course_deg} is outside [0, 360)")));
+        }
+        match integer(kind) {
+            0 | 1 => {
+                let course_rad = flight_model::wrap_pi(f64::from(course_deg).to_radians());
+                self.flight.set_course(course_rad, f64::from(lateral_mps2).max(0.05));
+            }
+            2 => self.flight.release_course(),
+            other => return Err(Refusal::denied(format!("Heading: type {other} is not accepted"))),
+        }
+        self.restart_setpoint_timeout();
+        Ok(())
+    }
+
+    /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s.
+    fn change_speed(&mut self, [kind, speed_mps]: [f32; 2]) -> Result<(), Refusal> {
+        self.check_guided_command("Speed")?;
+        check_finite("Speed", &[kind, speed_mps])?;
+        if !(0..=1).contains(&integer(kind)) {
+            return Err(Refusal::failed("Speed: only air and ground speed can be set"));
+        }
+        self.check_speed(speed_mps)?;
+        self.flight.set_speed(f64::from(speed_mps), f64::INFINITY);
+        Ok(())
+    }
+
+    /// Param 1: message id. Param 2: microseconds between two, 0 for the default, -1 for never. For this link only.
+    fn set_message_interval(&mut self, [id, interval_us]: [f32; 2], link: usize) -> Result<(), Refusal> {
+        check_finite("Interval", &[id, interval_us])?;
+        let stream = known_stream(id)?;
+        let interval = match integer(interval_us) {
+            -1 => None,
+            0 => stream.default_interval(&self.settings.rates),
+            us => {
+                let shortest = self.settings.step.div_f64(RATE_PER_STEP_MAX);
+                let interval = Duration::from_micros(u64::try_from(us).unwrap_or(1)).min(Duration::from_secs(60));
+                if interval < shortest {
+                    let rate_hz = 1.0 / interval.as_secs_f64();
+                    return Err(Refusal::denied(format!("Requested rate {rate_hz:.0} Hz is too fast")));
+                }
+                Some(interval)
+            }
+        };
+        self.links.set_interval(link, stream, interval, self.time);
+        Ok(())
+    }
+
+    fn request_message(&mut self, id: f32, link: usize) -> Result<(), Refusal> {
+        check_finite("Request", &[id])?;
+        let stream = known_stream(id)?;
+        self.send_stream(link, stream);
+        Ok(())
+    }
+}
+
+fn known_stream(id: f32) -> Result<Stream, Refusal> {
+    let number = integer(id);
+    u32::try_from(number)
+        .ok()
+        .and_then(Stream::from_message_id)
+        .ok_or_else(|| Refusal::failed(format!("Message {number} is not available")))
+}

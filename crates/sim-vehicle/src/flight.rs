@@ -1,0 +1,297 @@
+//! How the vehicle flies: its modes and what feeds the three autopilot loops. Knows no MAVLink.
+
+use crate::loiter::Circle;
+use crate::{Mode, VehicleSettings};
+use flight_model::{Autopilot, Dynamics, Setpoint, State, wrap_pi};
+
+/// One vehicle in the air, or motionless on its launch rail while it is disarmed.
+#[derive(Clone, Debug)]
+pub(crate) struct Flight {
+    dynamics: Dynamics,
+    /// The three loops, with the lateral limit in force (a guided command may lower it).
+    autopilot: Autopilot,
+    loiter_radius_m: f64,
+    start: State,
+    state: State,
+    previous_course_rad: f64,
+    mode: Mode,
+    armed: bool,
+    /// Where GUIDED was entered: released from a course, the vehicle circles here.
+    guided_point: (f64, f64),
+    speed: Ramp,
+    altitude: Ramp,
+    direction: Direction,
+}
+
+/// What sets the course.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    Course(f64),
+    Circle(Circle),
+}
+
+/// A reference that moves to its target by at most so much a step.
+#[derive(Clone, Copy, Debug)]
+struct Ramp {
+    value: f64,
+    target: f64,
+    per_step: f64,
+}
+
+impl Ramp {
+    fn at(value: f64) -> Self {
+        Self { value, target: value, per_step: f64::INFINITY }
+    }
+
+    fn advance(&mut self) -> f64 {
+        let error = self.target - self.value;
+        self.value =
+            if error.abs() <= self.per_step { self.target } else { self.value + self.per_step.copysign(error) };
+        self.value
+    }
+}
+
+impl Flight {
+    pub fn new(settings: &VehicleSettings) -> Self {
+        let start = State { course_rad: wrap_pi(settings.start.course_rad), ..settings.start };
+        let mut flight = Self {
+            dynamics: settings.dynamics,
+            autopilot: Autopilot::new(&settings.dynamics, settings.step.as_secs_f64()),
+            loiter_radius_m: settings.loiter_radius_m,
+            start,
+            state: State { speed_mps: 0.0, climb_mps: 0.0, ..start },
+            previous_course_rad: start.course_rad,
+            mode: settings.mode,
+            armed: false,
+            guided_point: (start.x_m, start.y_m),
+            speed: Ramp::at(start.speed_mps),
+            altitude: Ramp::at(start.altitude_m),
+            direction: Direction::Course(start.course_rad),
+        };
+        flight.enter(settings.mode);
+        if settings.armed {
+            flight.arm();
+        }
+        flight
+    }
+
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    pub fn is_armed(&self) -> bool {
+        self.armed
+    }
+
+    pub fn limits(&self) -> &flight_model::Limits {
+        &self.dynamics.limits
+    }
+
+    /// Rate of turn over the last step, rad/s.
+    pub fn course_rate_radps(&self) -> f64 {
+        wrap_pi(self.state.course_rad - self.previous_course_rad) / self.autopilot.step_s()
+    }
+
+    /// The setpoint that the next step starts from, as far as it is known before it.
+    pub fn speed_target_mps(&self) -> f64 {
+        self.speed.target
+    }
+
+    /// Integrates one step. On the rail nothing moves.
+    pub fn step(&mut self) {
+        if !self.armed {
+            return;
+        }
+        let course_rad = match &self.direction {
+            Direction::Course(course_rad) => *course_rad,
+            Direction::Circle(circle) => circle.course_rad(&self.state),
+        };
+        let setpoint = Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
+        self.previous_course_rad = self.state.course_rad;
+        self.state = self.autopilot.step(&self.state, &setpoint);
+    }
+
+    /// Leaves the rail with the start's speed and course.
+    pub fn arm(&mut self) {
+        if !self.armed {
+            self.armed = true;
+            self.state = self.start;
+        }
+    }
+
+    /// Changes the mode; asking for the present one changes nothing, as in ArduPlane.
+    pub fn set_mode(&mut self, mode: Mode) {
+        if mode != self.mode {
+            self.mode = mode;
+            self.enter(mode);
+        }
+    }
+
+    /// Speed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
+    pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
+        let value = if acceleration_mps2.is_finite() { self.state.speed_mps } else { speed_mps };
+        self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
+    }
+
+    /// Altitude setpoint, m above the origin, reached at no more than a rate in m/s (infinite: at once).
+    pub fn set_altitude(&mut self, altitude_m: f64, rate_mps: f64) {
+        let value = if rate_mps.is_finite() { self.state.altitude_m } else { altitude_m };
+        self.altitude = Ramp { value, target: altitude_m, per_step: rate_mps * self.autopilot.step_s() };
+    }
+
+    /// Course setpoint, rad, turned to with no more than a lateral acceleration in m/s2 (or the vehicle's own limit).
+    pub fn set_course(&mut self, course_rad: f64, lateral_acceleration_mps2: f64) {
+        self.direction = Direction::Course(course_rad);
+        self.limit_lateral_acceleration(lateral_acceleration_mps2);
+    }
+
+    /// Gives up the course setpoint and circles where GUIDED was entered.
+    pub fn release_course(&mut self) {
+        self.circle(self.guided_point);
+    }
+
+    fn circle(&mut self, centre: (f64, f64)) {
+        self.limit_lateral_acceleration(f64::INFINITY);
+        self.direction =
+            Direction::Circle(Circle::new(centre, self.loiter_radius_m, &self.dynamics, self.autopilot.step_s()));
+    }
+
+    fn limit_lateral_acceleration(&mut self, limit_mps2: f64) {
+        let mut dynamics = self.dynamics;
+        let overload = limit_mps2 / dynamics.limits.gravity_mps2;
+        dynamics.limits.lateral_overload_max = overload.min(dynamics.limits.lateral_overload_max);
+        self.autopilot = Autopilot::new(&dynamics, self.autopilot.step_s());
+    }
+
+    /// Every mode begins by holding what the vehicle does now (on the rail: what it will do when released).
+    fn enter(&mut self, mode: Mode) {
+        let now = if self.armed { self.state } else { self.start };
+        self.speed = Ramp::at(now.speed_mps);
+        self.altitude = Ramp::at(now.altitude_m);
+        self.set_course(now.course_rad, f64::INFINITY);
+        let here = (now.x_m, now.y_m);
+        match mode {
+            Mode::Cruise => {}
+            Mode::Rtl => self.circle((0.0, 0.0)),
+            Mode::Loiter => self.circle(here),
+            Mode::Guided => {
+                self.guided_point = here;
+                // Entered in flight, ArduPlane circles until it is told where to go. A start on the rail or in the air
+                // goes straight on: the flock's start is already a course.
+                if self.armed {
+                    self.circle(here);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings() -> VehicleSettings {
+        let start = State { x_m: 5.0, y_m: -3.0, altitude_m: 50.0, speed_mps: 10.0, course_rad: 0.3, climb_mps: 0.0 };
+        VehicleSettings { start, ..VehicleSettings::default() }
+    }
+
+    fn fly(flight: &mut Flight, seconds: f64) -> State {
+        for _ in 0..(seconds * 100.0).round() as usize {
+            flight.step();
+        }
+        *flight.state()
+    }
+
+    fn from_centre(state: &State, (x, y): (f64, f64)) -> f64 {
+        ((state.x_m - x) * (state.x_m - x) + (state.y_m - y) * (state.y_m - y)).sqrt()
+    }
+
+    #[test]
+    fn armed_it_holds_its_start() {
+        let mut flight = Flight::new(&settings());
+        let end = fly(&mut flight, 10.0);
+        assert!((end.x_m - (5.0 + 100.0 * libm::cos(0.3))).abs() < 1e-9);
+        assert!((end.y_m - (-3.0 + 100.0 * libm::sin(0.3))).abs() < 1e-9);
+        assert_eq!((end.speed_mps, end.course_rad, end.altitude_m), (10.0, 0.3, 50.0));
+    }
+
+    #[test]
+    fn disarmed_it_waits_on_the_rail() {
+        let mut flight = Flight::new(&VehicleSettings { armed: false, ..settings() });
+        let waiting = fly(&mut flight, 5.0);
+        assert_eq!((waiting.x_m, waiting.y_m, waiting.speed_mps), (5.0, -3.0, 0.0));
+        flight.arm();
+        assert_eq!(*flight.state(), settings().start);
+        assert!(from_centre(&fly(&mut flight, 1.0), (5.0, -3.0)) > 9.99);
+    }
+
+    #[test]
+    fn a_lateral_limit_is_a_ramp_then_the_closed_form() {
+        let mut flight = Flight::new(&settings());
+        flight.set_course(1.3, 5.0); // 0.5 rad/s at 10 m/s, left at an error of 0.375 rad
+        let end = fly(&mut flight, 3.0);
+        let expected = 1.3 - 0.375 * libm::exp(-(3.0 - 1.25) / 0.75);
+        assert!((end.course_rad - expected).abs() < 1e-9);
+        assert!((flight.course_rate_radps() - 0.5 * libm::exp(-1.75 / 0.75)).abs() < 0.01);
+    }
+
+    #[test]
+    fn ramps_hold_their_rates() {
+        let mut flight = Flight::new(&settings());
+        flight.set_speed(14.0, 0.5);
+        flight.set_altitude(60.0, 1.0);
+        // Behind a ramp a loop lags by its time constant(s): 1 s for speed, 1/3 + 3 s for altitude.
+        let end = fly(&mut flight, 7.0);
+        assert!((end.speed_mps - (10.0 + 0.5 * (7.0 - 1.0 * (1.0 - libm::exp(-7.0))))).abs() < 0.01);
+        let later = fly(&mut flight, 1.0);
+        assert!((later.climb_mps - 1.0).abs() < 0.1);
+        let end = fly(&mut flight, 30.0);
+        assert!((end.speed_mps - 14.0).abs() < 1e-6 && (end.altitude_m - 60.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn loiter_circles_where_it_was_entered() {
+        let mut flight = Flight::new(&settings());
+        fly(&mut flight, 3.0);
+        let entry = *flight.state();
+        flight.set_mode(Mode::Loiter);
+        for _ in 0..100 {
+            let state = fly(&mut flight, 1.0);
+            assert_eq!(state.altitude_m, entry.altitude_m);
+            assert!(from_centre(&state, (entry.x_m, entry.y_m)) < 60.6);
+        }
+        assert!((from_centre(flight.state(), (entry.x_m, entry.y_m)) - 60.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn rtl_circles_home() {
+        let mut flight = Flight::new(&settings());
+        fly(&mut flight, 60.0);
+        flight.set_mode(Mode::Rtl);
+        let end = fly(&mut flight, 150.0);
+        assert!((from_centre(&end, (0.0, 0.0)) - 60.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn guided_again_circles_and_forgets_old_setpoints() {
+        let mut flight = Flight::new(&settings());
+        flight.set_course(1.0, 0.05);
+        flight.set_mode(Mode::Cruise);
+        fly(&mut flight, 1.0);
+        flight.set_mode(Mode::Guided);
+        let entry = *flight.state();
+        let end = fly(&mut flight, 120.0);
+        assert!((from_centre(&end, (entry.x_m, entry.y_m)) - 60.0).abs() < 0.05);
+        flight.set_course(0.0, f64::INFINITY);
+        assert!(fly(&mut flight, 10.0).course_rad.abs() < 1e-4);
+        flight.set_mode(Mode::Guided); // a repeat changes nothing
+        assert!(fly(&mut flight, 1.0).course_rad.abs() < 1e-4);
+        flight.release_course();
+        let end = fly(&mut flight, 200.0);
+        assert!((from_centre(&end, (entry.x_m, entry.y_m)) - 60.0).abs() < 0.05);
+    }
+}

@@ -1,0 +1,262 @@
+//! The host: sockets and a clock for any number of vehicles. All that they do is in [`crate::Vehicle`].
+
+use crate::endpoint::{Endpoint, EndpointReport, stopped};
+use crate::{LockstepSettings, SettingsError, Vehicle, VehicleCounters, VehicleSettings};
+use flight_model::State;
+use mavlink_bridge::{Counters, LinkError, LinkSettings, UdpLink};
+use std::fmt;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::watch;
+use tokio::task::JoinSet;
+
+/// Where the vehicles listen and what time they keep.
+#[derive(Clone, Debug)]
+pub struct HostSettings {
+    /// Address of the interface.
+    pub bind: IpAddr,
+    /// Port of the first vehicle or group; each further one has the next port. 0: any free ports.
+    pub base_port: u16,
+    /// Vehicles on one port, 1 to 250: the rest go to the next. Frames find theirs by the target system.
+    pub vehicles_per_port: usize,
+    /// The clock.
+    pub clock: Clock,
+    /// Receive buffer and impairment of every port. Each port draws its own random numbers from the seed.
+    pub link: LinkSettings,
+}
+
+/// What moves the vehicles' time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Clock {
+    /// The controller's setpoints, by their stamps.
+    Lockstep(LockstepSettings),
+    /// The wall clock, times `speed`.
+    RealTime {
+        /// Vehicle seconds for each second, more than 0.
+        speed: f64,
+        /// Wall time between two advances.
+        tick: Duration,
+    },
+}
+
+impl Clock {
+    /// The wall clock as it is, looked at every 10 ms.
+    pub const WALL: Clock = Clock::RealTime { speed: 1.0, tick: Duration::from_millis(10) };
+}
+
+impl Default for HostSettings {
+    fn default() -> Self {
+        Self {
+            bind: IpAddr::V4(Ipv4Addr::LOCALHOST),
+            base_port: 14600,
+            vehicles_per_port: 1,
+            clock: Clock::WALL,
+            link: LinkSettings::default(),
+        }
+    }
+}
+
+/// A stretch of one vehicle's flight, as it was flown.
+#[derive(Clone, Copy, Debug)]
+pub struct Advance<'a> {
+    /// Index of the vehicle, in the order in which the host was given them.
+    pub vehicle: usize,
+    /// Vehicle time at which the stretch begins.
+    pub start: Duration,
+    /// The integration step.
+    pub step: Duration,
+    /// The state after each integration step: `track[i]` is at `start + (i + 1) * step`.
+    pub track: &'a [State],
+}
+
+/// Called for every stretch that a vehicle flies, from the task of its port. It should not block.
+pub type Observer = Arc<dyn Fn(Advance<'_>) + Send + Sync>;
+
+/// Why a host does not start, or stops.
+#[derive(Debug, thiserror::Error)]
+pub enum HostError {
+    /// A port cannot be bound; the message names it.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// A vehicle's settings are out of range.
+    #[error("vehicle {vehicle}: {source}")]
+    Vehicle {
+        /// Index of the vehicle.
+        vehicle: usize,
+        /// What is wrong.
+        source: SettingsError,
+    },
+    /// The ports needed go beyond 65535.
+    #[error("{count} ports from {base_port} up go beyond 65535")]
+    TooManyPorts {
+        /// The first port.
+        base_port: u16,
+        /// How many are needed.
+        count: usize,
+    },
+    /// Two vehicles on one port have the same system id.
+    #[error("vehicles {first} and {second} share a port and system id {system_id}")]
+    DuplicateSystemId {
+        /// Index of one vehicle.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+        /// The system id of both.
+        system_id: u8,
+    },
+    /// A setting of the host itself is out of range.
+    #[error("{name} = {value} is outside {range}")]
+    Setting {
+        /// Name of the setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed values.
+        range: &'static str,
+    },
+}
+
+/// What became of a host's vehicles.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct HostReport {
+    /// Each vehicle's counters, in the order in which the host was given them.
+    pub vehicles: Vec<VehicleCounters>,
+    /// What all ports together have seen.
+    pub wire: Counters,
+}
+
+/// Vehicles with their ports bound, ready to run.
+pub struct Host {
+    endpoints: Vec<Endpoint>,
+    addresses: Vec<SocketAddr>,
+    clock: Clock,
+}
+
+impl fmt::Debug for Host {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Host").field("addresses", &self.addresses).field("clock", &self.clock).finish_non_exhaustive()
+    }
+}
+
+impl Host {
+    /// Binds the ports of all vehicles, or none of them. Must be called within a Tokio runtime.
+    pub fn bind(settings: &HostSettings, vehicles: Vec<VehicleSettings>) -> Result<Self, HostError> {
+        settings.validate(vehicles.len())?;
+        let vehicles: Vec<Vehicle> = vehicles
+            .into_iter()
+            .enumerate()
+            .map(|(vehicle, own)| {
+                let built = match settings.clock {
+                    Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
+                    Clock::RealTime { .. } => Vehicle::new(own),
+                };
+                built.map_err(|source| HostError::Vehicle { vehicle, source })
+            })
+            .collect::<Result<_, _>>()?;
+
+        let mut host = Self { endpoints: Vec::new(), addresses: Vec::new(), clock: settings.clock };
+        let mut vehicles = vehicles.into_iter();
+        // An early return drops the endpoints bound so far, and so frees their ports.
+        for port_index in 0.. {
+            let group: Vec<Vehicle> = vehicles.by_ref().take(settings.vehicles_per_port).collect();
+            if group.is_empty() {
+                break;
+            }
+            let link = UdpLink::bind(settings.address(port_index)?, settings.link_settings(port_index))?;
+            let address = link.local_addr()?;
+            let first = host.addresses.len();
+            host.addresses.resize(first + group.len(), address);
+            host.endpoints.push(Endpoint::new(link, group, first)?);
+        }
+        Ok(host)
+    }
+
+    /// The address that each vehicle listens on, in the order in which the host was given them.
+    pub fn addresses(&self) -> &[SocketAddr] {
+        &self.addresses
+    }
+
+    /// Runs the vehicles until `stop` holds true or its sender is gone; without vehicles, returns at once. The ports are
+    /// free when this returns.
+    pub async fn run(self, observer: Observer, mut stop: watch::Receiver<bool>) -> Result<HostReport, HostError> {
+        let (stop_all, stop_endpoints) = watch::channel(false);
+        let mut tasks: JoinSet<Result<EndpointReport, LinkError>> = JoinSet::new();
+        for endpoint in self.endpoints {
+            tasks.spawn(endpoint.run(self.clock, observer.clone(), stop_endpoints.clone()));
+        }
+        let mut report =
+            HostReport { vehicles: vec![VehicleCounters::default(); self.addresses.len()], wire: Counters::default() };
+        let mut failure = None;
+        let mut running = true;
+        loop {
+            tokio::select! {
+                () = stopped(&mut stop), if running => {
+                    running = false;
+                    stop_all.send_replace(true);
+                }
+                joined = tasks.join_next() => match joined {
+                    None => break,
+                    Some(Ok(Ok(endpoint))) => {
+                        report.wire += endpoint.wire;
+                        for (index, counters) in endpoint.vehicles {
+                            if let Some(slot) = report.vehicles.get_mut(index) {
+                                *slot = counters;
+                            }
+                        }
+                    }
+                    Some(Ok(Err(error))) => {
+                        // One port that fails stops the flight: the others would fly on without it.
+                        failure.get_or_insert(error);
+                        running = false;
+                        stop_all.send_replace(true);
+                    }
+                    Some(Err(join_error)) => {
+                        if let Ok(panic) = join_error.try_into_panic() {
+                            std::panic::resume_unwind(panic);
+                        }
+                    }
+                },
+            }
+        }
+        match failure {
+            Some(error) => Err(error.into()),
+            None => Ok(report),
+        }
+    }
+}
+
+impl HostSettings {
+    fn validate(&self, vehicles: usize) -> Result<(), HostError> {
+        if !(1..=250).contains(&self.vehicles_per_port) {
+            let value = self.vehicles_per_port as f64;
+            return Err(HostError::Setting { name: "vehicles_per_port", value, range: "[1, 250]" });
+        }
+        if let Clock::RealTime { speed, tick } = self.clock {
+            if !(0.001..=1000.0).contains(&speed) {
+                return Err(HostError::Setting { name: "speed", value: speed, range: "[0.001, 1000]" });
+            }
+            if !(Duration::from_millis(1)..=Duration::from_secs(1)).contains(&tick) {
+                return Err(HostError::Setting { name: "tick_s", value: tick.as_secs_f64(), range: "[0.001, 1]" });
+            }
+        }
+        let count = vehicles.div_ceil(self.vehicles_per_port);
+        let beyond = self.base_port != 0 && usize::from(self.base_port) + count > 65_536;
+        if beyond { Err(HostError::TooManyPorts { base_port: self.base_port, count }) } else { Ok(()) }
+    }
+
+    fn address(&self, port_index: usize) -> Result<SocketAddr, HostError> {
+        let port = match self.base_port {
+            0 => Some(0),
+            base => u16::try_from(port_index).ok().and_then(|index| base.checked_add(index)),
+        };
+        let too_many = HostError::TooManyPorts { base_port: self.base_port, count: port_index + 1 };
+        port.map(|port| SocketAddr::new(self.bind, port)).ok_or(too_many)
+    }
+
+    /// Ports with one seed would lose the same datagrams: an odd multiplier spreads them over all seeds.
+    fn link_settings(&self, port_index: usize) -> LinkSettings {
+        const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+        LinkSettings { seed: self.link.seed.wrapping_add(GOLDEN.wrapping_mul(port_index as u64)), ..self.link }
+    }
+}

@@ -1,0 +1,286 @@
+//! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an autopilot
+//! has them for each of its ports.
+
+use crate::telemetry::{Instruments, Schedule, Stream};
+use crate::{PeerId, Transmit, VehicleSettings};
+use mavlink_bridge::dialect::{MavResult, Message};
+use mavlink_bridge::{Encoder, Target};
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// The largest datagram: below what any network splits.
+pub(crate) const DATAGRAM_BYTES_MAX: usize = 1200;
+/// A peer that says nothing for so long is forgotten (the ground address never is).
+pub(crate) const SILENCE_MAX: Duration = Duration::from_secs(30);
+/// Most peers at a time; a new one displaces the most silent.
+pub(crate) const LINKS_MAX: usize = 32;
+
+#[derive(Debug)]
+pub(crate) struct Links {
+    settings: VehicleSettings,
+    links: Vec<Link>,
+    queue: VecDeque<Transmit>,
+    frame: Vec<u8>,
+    next_due: Duration,
+    recording: bool,
+}
+
+#[derive(Debug)]
+struct Link {
+    peer: PeerId,
+    permanent: bool,
+    heard: Duration,
+    encoder: Encoder,
+    schedule: Schedule,
+    /// The datagram that is being filled.
+    open: Vec<u8>,
+    /// Datagrams to send again while the peer does not answer.
+    batch: Vec<Vec<u8>>,
+}
+
+impl Links {
+    pub fn new(settings: &VehicleSettings) -> Self {
+        let mut links = Self {
+            settings: settings.clone(),
+            links: Vec::new(),
+            queue: VecDeque::new(),
+            frame: Vec::new(),
+            next_due: Duration::MAX,
+            recording: false,
+        };
+        if let Some(ground) = settings.ground {
+            links.add(ground, true, Duration::ZERO, Duration::ZERO);
+        }
+        links
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.links.is_empty()
+    }
+
+    pub fn len(&self) -> usize {
+        self.links.len()
+    }
+
+    /// The earliest vehicle time at which any link wants telemetry.
+    pub fn next_due(&self) -> Duration {
+        self.next_due
+    }
+
+    /// Notes that a peer has spoken at host time `now`. Gives its link, and whether it is a new one.
+    pub fn hear(&mut self, peer: PeerId, now: Duration, time: Duration) -> (usize, bool) {
+        if let Some(index) = self.links.iter().position(|link| link.peer == peer) {
+            self.links[index].heard = now;
+            return (index, false);
+        }
+        if self.links.len() >= LINKS_MAX {
+            let learned = self.links.iter().enumerate().filter(|(_, link)| !link.permanent);
+            if let Some((index, _)) = learned.min_by_key(|(_, link)| link.heard) {
+                self.links.remove(index);
+            }
+        }
+        (self.add(peer, false, now, time), true)
+    }
+
+    /// Forgets the peers that have been silent for too long.
+    pub fn drop_silent(&mut self, now: Duration) {
+        let is_heard = |link: &Link| link.permanent || now.saturating_sub(link.heard) < SILENCE_MAX;
+        if !self.links.iter().all(is_heard) {
+            self.links.retain(is_heard);
+            self.find_next_due();
+        }
+    }
+
+    fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
+        self.links.push(Link {
+            peer,
+            permanent,
+            heard,
+            encoder: Encoder::new(self.settings.system_id, self.settings.component_id),
+            schedule: Schedule::new(&self.settings.rates, time),
+            open: Vec::new(),
+            batch: Vec::new(),
+        });
+        self.find_next_due();
+        self.links.len() - 1
+    }
+
+    pub fn send(&mut self, index: usize, message: &Message) {
+        self.write(index, |encoder, frame| encoder.encode(message, frame));
+    }
+
+    pub fn send_all(&mut self, message: &Message) {
+        (0..self.links.len()).for_each(|index| self.send(index, message));
+    }
+
+    pub fn acknowledge(&mut self, index: usize, command: u16, result: MavResult, target: Target) {
+        self.write(index, |encoder, frame| encoder.encode_command_ack_raw(command, result, target, frame));
+    }
+
+    /// Sends what is due on each link.
+    pub fn send_due(&mut self, instruments: &Instruments<'_>) {
+        for index in 0..self.links.len() {
+            for stream in self.links[index].schedule.take_due(instruments.time) {
+                self.send(index, &instruments.message(stream));
+            }
+        }
+        self.find_next_due();
+    }
+
+    /// Sends what is due on each link, and the position last whether it is due or not.
+    pub fn send_due_and_position(&mut self, instruments: &Instruments<'_>) {
+        for index in 0..self.links.len() {
+            for stream in self.links[index].schedule.take_due(instruments.time) {
+                if stream != Stream::LocalPositionNed {
+                    self.send(index, &instruments.message(stream));
+                }
+            }
+            self.send(index, &instruments.message(Stream::LocalPositionNed));
+        }
+        self.find_next_due();
+    }
+
+    /// The time between two messages of a stream on one link; none switches it off.
+    pub fn set_interval(&mut self, index: usize, stream: Stream, interval: Option<Duration>, time: Duration) {
+        self.links[index].schedule.set_interval(stream, interval, time);
+        self.find_next_due();
+    }
+
+    /// From here to [`end_batch`](Self::end_batch), what is sent is kept to be sent again. What a link kept before is
+    /// forgotten if `only` is this link or none.
+    pub fn begin_batch(&mut self, only: Option<usize>) {
+        self.close_all();
+        self.recording = true;
+        for (index, link) in self.links.iter_mut().enumerate() {
+            if only.is_none_or(|only| only == index) {
+                link.batch.clear();
+            }
+        }
+    }
+
+    pub fn end_batch(&mut self) {
+        self.close_all();
+        self.recording = false;
+    }
+
+    /// Sends every link's batch again, byte by byte the same.
+    pub fn resend_batch(&mut self) {
+        self.close_all();
+        for link in &self.links {
+            self.queue.extend(link.batch.iter().map(|datagram| Transmit { to: link.peer, datagram: datagram.clone() }));
+        }
+    }
+
+    /// The next datagram to send.
+    pub fn poll(&mut self) -> Option<Transmit> {
+        if self.queue.is_empty() {
+            self.close_all();
+        }
+        self.queue.pop_front()
+    }
+
+    fn write(&mut self, index: usize, encode: impl FnOnce(&mut Encoder, &mut Vec<u8>)) {
+        self.frame.clear();
+        encode(&mut self.links[index].encoder, &mut self.frame);
+        if self.links[index].open.len() + self.frame.len() > DATAGRAM_BYTES_MAX {
+            self.close(index);
+        }
+        self.links[index].open.extend_from_slice(&self.frame);
+    }
+
+    fn close(&mut self, index: usize) {
+        let link = &mut self.links[index];
+        if link.open.is_empty() {
+            return;
+        }
+        let datagram = std::mem::take(&mut link.open);
+        if self.recording {
+            link.batch.push(datagram.clone());
+        }
+        self.queue.push_back(Transmit { to: link.peer, datagram });
+    }
+
+    fn close_all(&mut self) {
+        (0..self.links.len()).for_each(|index| self.close(index));
+    }
+
+    fn find_next_due(&mut self) {
+        self.next_due = self.links.iter().map(|link| link.schedule.next()).min().unwrap_or(Duration::MAX);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TelemetryRates;
+    use mavlink_bridge::telemetry::ground_heartbeat;
+    use mavlink_bridge::{Counters, frames};
+
+    const NOW: Duration = Duration::ZERO;
+
+    fn peer(port: u16) -> PeerId {
+        PeerId::from(([127, 0, 0, 1], port))
+    }
+
+    fn links() -> Links {
+        let rates = TelemetryRates::OFF;
+        Links::new(&VehicleSettings { rates, ground: Some(peer(14550)), ..VehicleSettings::default() })
+    }
+
+    fn drain(links: &mut Links) -> Vec<Transmit> {
+        std::iter::from_fn(|| links.poll()).collect()
+    }
+
+    #[test]
+    fn silent_peers_are_forgotten_and_the_ground_is_not() {
+        let mut links = links();
+        assert_eq!(links.hear(peer(1), NOW, NOW), (1, true));
+        assert_eq!(links.hear(peer(1), Duration::from_secs(20), NOW), (1, false));
+        links.drop_silent(Duration::from_secs(49));
+        assert_eq!(links.len(), 2);
+        links.drop_silent(Duration::from_secs(50));
+        assert_eq!(links.len(), 1);
+    }
+
+    #[test]
+    fn a_crowd_displaces_the_most_silent() {
+        let mut links = links();
+        for port in 1..=100u16 {
+            links.hear(peer(port), Duration::from_millis(u64::from(port)), NOW);
+        }
+        assert_eq!(links.len(), LINKS_MAX);
+        assert_eq!(links.links[0].peer, peer(14550));
+        assert_eq!(links.hear(peer(100), NOW, NOW), (LINKS_MAX - 1, false));
+    }
+
+    #[test]
+    fn frames_are_packed_and_each_link_counts_its_own() {
+        let mut links = links();
+        links.hear(peer(1), NOW, NOW);
+        for _ in 0..100 {
+            links.send_all(&ground_heartbeat());
+        }
+        links.send(1, &ground_heartbeat());
+        let sent = drain(&mut links);
+        assert!(sent.iter().all(|transmit| transmit.datagram.len() <= DATAGRAM_BYTES_MAX));
+        assert!(sent.len() < 10);
+        for (to, expected) in [(peer(14550), 100), (peer(1), 101)] {
+            let bytes: Vec<u8> = sent.iter().filter(|t| t.to == to).flat_map(|t| t.datagram.clone()).collect();
+            let sequences: Vec<u8> = frames(&bytes, &mut Counters::default()).map(|f| f.header.sequence).collect();
+            assert_eq!(sequences, (0..expected).collect::<Vec<u8>>());
+        }
+    }
+
+    #[test]
+    fn a_batch_is_sent_again_as_it_was_and_replies_are_not_part_of_it() {
+        let mut links = links();
+        links.send(0, &ground_heartbeat());
+        links.begin_batch(None);
+        (0..60).for_each(|_| links.send(0, &ground_heartbeat()));
+        links.end_batch();
+        links.send(0, &ground_heartbeat());
+        let sent = drain(&mut links);
+        links.resend_batch();
+        assert_eq!(drain(&mut links), sent[1..sent.len() - 1]);
+    }
+}

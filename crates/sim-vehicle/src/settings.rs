@@ -1,0 +1,238 @@
+//! What a vehicle is told before it flies.
+
+use crate::Mode;
+use flight_model::{Dynamics, Geodetic, LocalFrame, State};
+use std::net::SocketAddr;
+use std::time::Duration;
+
+/// All that distinguishes one simulated vehicle from another.
+#[derive(Clone, Debug)]
+pub struct VehicleSettings {
+    /// MAVLink system id, 1 to 250.
+    pub system_id: u8,
+    /// MAVLink component id; an autopilot's is 1.
+    pub component_id: u8,
+    /// Constants of Eq. 1 and 3.
+    pub dynamics: Dynamics,
+    /// Integration step.
+    pub step: Duration,
+    /// Where and how it starts, in the air.
+    pub start: State,
+    /// The local frame; its origin is home.
+    pub frame: LocalFrame,
+    /// Armed at the start. Otherwise it waits motionless where it starts until it is armed.
+    pub armed: bool,
+    /// Mode at the start.
+    pub mode: Mode,
+    /// Rates of the telemetry that every link gets until it asks for others.
+    pub rates: TelemetryRates,
+    /// In GUIDED, time without any setpoint or guided command after which it loiters, s; 0 means never (as ArduPlane).
+    pub setpoint_timeout_s: f64,
+    /// Radius of LOITER and RTL circles, m.
+    pub loiter_radius_m: f64,
+    /// Microseconds since the Unix epoch at the vehicle's time zero, for SYSTEM_TIME.
+    pub clock_epoch_us: u64,
+    /// Where telemetry goes unasked.
+    pub ground: Option<SocketAddr>,
+}
+
+/// Telemetry rates, Hz; 0 is off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TelemetryRates {
+    /// HEARTBEAT.
+    pub heartbeat_hz: f64,
+    /// SYS_STATUS.
+    pub sys_status_hz: f64,
+    /// SYSTEM_TIME.
+    pub system_time_hz: f64,
+    /// ATTITUDE.
+    pub attitude_hz: f64,
+    /// GLOBAL_POSITION_INT.
+    pub global_position_int_hz: f64,
+    /// VFR_HUD.
+    pub vfr_hud_hz: f64,
+    /// LOCAL_POSITION_NED.
+    pub local_position_ned_hz: f64,
+}
+
+/// How a vehicle waits for the controller when both share a simulated clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LockstepSettings {
+    /// Control period T: a setpoint stamped t moves the vehicle from t to t + T. Whole milliseconds.
+    pub period: Duration,
+    /// Host time after which a waiting vehicle sends its last telemetry again.
+    pub resend_after: Duration,
+    /// The wait doubles from `resend_after` up to this.
+    pub resend_at_most: Duration,
+}
+
+/// A setting out of its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// A number outside what its setting allows.
+    #[error("{name} = {value} is outside {range}")]
+    Range {
+        /// Name of the setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed values.
+        range: String,
+    },
+    /// The start state has a component that is not a finite number.
+    #[error("the start state is not finite")]
+    StartNotFinite,
+    /// The control period is not a positive whole number of milliseconds and of integration steps.
+    #[error("control period {period:?} is not a whole number of milliseconds and of integration steps ({step:?})")]
+    Period {
+        /// The control period.
+        period: Duration,
+        /// The integration step.
+        step: Duration,
+    },
+}
+
+/// A vehicle sends no message more often than 0.8 times for each integration step, as ArduPilot's scheduler allows.
+pub(crate) const RATE_PER_STEP_MAX: f64 = 0.8;
+
+impl Default for VehicleSettings {
+    fn default() -> Self {
+        Self {
+            system_id: 1,
+            component_id: 1,
+            dynamics: Dynamics::default(),
+            step: Duration::from_millis(10),
+            start: State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() },
+            frame: LocalFrame::new(Geodetic { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 }),
+            armed: true,
+            mode: Mode::Guided,
+            rates: TelemetryRates::default(),
+            setpoint_timeout_s: 30.0,
+            loiter_radius_m: 60.0,
+            clock_epoch_us: 0,
+            ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+        }
+    }
+}
+
+impl Default for TelemetryRates {
+    fn default() -> Self {
+        Self {
+            heartbeat_hz: 1.0,
+            sys_status_hz: 1.0,
+            system_time_hz: 1.0,
+            attitude_hz: 10.0,
+            global_position_int_hz: 5.0,
+            vfr_hud_hz: 4.0,
+            local_position_ned_hz: 10.0,
+        }
+    }
+}
+
+impl TelemetryRates {
+    /// Nothing unasked.
+    pub const OFF: Self = Self {
+        heartbeat_hz: 0.0,
+        sys_status_hz: 0.0,
+        system_time_hz: 0.0,
+        attitude_hz: 0.0,
+        global_position_int_hz: 0.0,
+        vfr_hud_hz: 0.0,
+        local_position_ned_hz: 0.0,
+    };
+}
+
+impl Default for LockstepSettings {
+    fn default() -> Self {
+        Self {
+            period: Duration::from_millis(500),
+            resend_after: Duration::from_millis(5),
+            resend_at_most: Duration::from_millis(100),
+        }
+    }
+}
+
+impl VehicleSettings {
+    /// Whether every setting is in its range.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let limits = self.dynamics.limits;
+        let step_s = self.step.as_secs_f64();
+        within("system_id", f64::from(self.system_id), 1.0, 250.0)?;
+        within("component_id", f64::from(self.component_id), 1.0, 255.0)?;
+        within("step_s", step_s, 1e-3, 1.0)?;
+        within("setpoint_timeout_s", self.setpoint_timeout_s, 0.0, 1e6)?;
+        within("loiter_radius_m", self.loiter_radius_m, 1.0, 1e5)?;
+        if !self.start.is_finite() {
+            return Err(SettingsError::StartNotFinite);
+        }
+        within("start.speed_mps", self.start.speed_mps, limits.speed_min_mps, limits.speed_max_mps)?;
+        within("start.climb_mps", self.start.climb_mps, limits.climb_min_mps, limits.climb_max_mps)?;
+        let rates = self.rates;
+        let fastest_hz = RATE_PER_STEP_MAX / step_s;
+        for (name, rate_hz) in [
+            ("heartbeat_hz", rates.heartbeat_hz),
+            ("sys_status_hz", rates.sys_status_hz),
+            ("system_time_hz", rates.system_time_hz),
+            ("attitude_hz", rates.attitude_hz),
+            ("global_position_int_hz", rates.global_position_int_hz),
+            ("vfr_hud_hz", rates.vfr_hud_hz),
+            ("local_position_ned_hz", rates.local_position_ned_hz),
+        ] {
+            within(name, rate_hz, 0.0, fastest_hz)?;
+        }
+        Ok(())
+    }
+}
+
+impl LockstepSettings {
+    /// Whether the period fits an integration step and the waits are positive and in order.
+    pub fn validate(&self, step: Duration) -> Result<(), SettingsError> {
+        let (period, step) = (self.period, step);
+        let whole = |unit: Duration| unit.as_nanos() > 0 && period.as_nanos().is_multiple_of(unit.as_nanos());
+        if period.is_zero() || !whole(step) || !whole(Duration::from_millis(1)) {
+            return Err(SettingsError::Period { period, step });
+        }
+        within("resend_after_s", self.resend_after.as_secs_f64(), 1e-3, 60.0)?;
+        within("resend_at_most_s", self.resend_at_most.as_secs_f64(), self.resend_after.as_secs_f64(), 60.0)
+    }
+}
+
+fn within(name: &'static str, value: f64, least: f64, most: f64) -> Result<(), SettingsError> {
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(SettingsError::Range { name, value, range: format!("[{least}, {most}]") })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_in_range() {
+        assert_eq!(VehicleSettings::default().validate(), Ok(()));
+        assert_eq!(LockstepSettings::default().validate(Duration::from_millis(10)), Ok(()));
+    }
+
+    #[test]
+    fn a_bad_setting_is_named() {
+        let fast = TelemetryRates { attitude_hz: 81.0, ..TelemetryRates::default() };
+        let error = VehicleSettings { rates: fast, ..VehicleSettings::default() }.validate().unwrap_err();
+        assert_eq!(error.to_string(), "attitude_hz = 81 is outside [0, 80]");
+        let start = State { speed_mps: f64::NAN, ..VehicleSettings::default().start };
+        let error = VehicleSettings { start, ..VehicleSettings::default() }.validate();
+        assert_eq!(error, Err(SettingsError::StartNotFinite));
+        assert!(VehicleSettings { system_id: 0, ..VehicleSettings::default() }.validate().is_err());
+        assert!(VehicleSettings { setpoint_timeout_s: f64::NAN, ..VehicleSettings::default() }.validate().is_err());
+    }
+
+    #[test]
+    fn a_period_is_whole_steps_and_milliseconds() {
+        let step = Duration::from_millis(10);
+        for (period_us, fits) in [(0, false), (5_000, false), (10_000, true), (500_000, true), (505_000, false)] {
+            let period = Duration::from_micros(period_us);
+            assert_eq!(LockstepSettings { period, ..LockstepSettings::default() }.validate(step).is_ok(), fits);
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! What the vehicle says of itself, and how often.
+
+use crate::flight::Flight;
+use crate::{Mode, TelemetryRates};
+use flight_model::LocalFrame;
+use mavlink_bridge::dialect::{
+    HOME_POSITION_DATA, MavAutopilot, MavModeFlag, MavState, MavSysStatusSensor, MavType, Message, SYS_STATUS_DATA,
+};
+use mavlink_bridge::{local_position_ned, telemetry};
+use std::time::Duration;
+
+/// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stream {
+    Heartbeat,
+    SysStatus,
+    SystemTime,
+    Attitude,
+    GlobalPositionInt,
+    VfrHud,
+    GpsGlobalOrigin,
+    HomePosition,
+    LocalPositionNed,
+}
+
+impl Stream {
+    pub const COUNT: usize = 9;
+    pub const ALL: [Stream; Self::COUNT] = [
+        Stream::Heartbeat,
+        Stream::SysStatus,
+        Stream::SystemTime,
+        Stream::Attitude,
+        Stream::GlobalPositionInt,
+        Stream::VfrHud,
+        Stream::GpsGlobalOrigin,
+        Stream::HomePosition,
+        Stream::LocalPositionNed,
+    ];
+
+    /// The message id of <https://mavlink.io/en/messages/common.html>.
+    pub fn message_id(self) -> u32 {
+        match self {
+            Stream::Heartbeat => 0,
+            Stream::SysStatus => 1,
+            Stream::SystemTime => 2,
+            Stream::Attitude => 30,
+            Stream::LocalPositionNed => 32,
+            Stream::GlobalPositionInt => 33,
+            Stream::GpsGlobalOrigin => 49,
+            Stream::VfrHud => 74,
+            Stream::HomePosition => 242,
+        }
+    }
+
+    pub fn from_message_id(id: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|stream| stream.message_id() == id)
+    }
+
+    fn default_rate_hz(self, rates: &TelemetryRates) -> f64 {
+        match self {
+            Stream::Heartbeat => rates.heartbeat_hz,
+            Stream::SysStatus => rates.sys_status_hz,
+            Stream::SystemTime => rates.system_time_hz,
+            Stream::Attitude => rates.attitude_hz,
+            Stream::GlobalPositionInt => rates.global_position_int_hz,
+            Stream::VfrHud => rates.vfr_hud_hz,
+            Stream::LocalPositionNed => rates.local_position_ned_hz,
+            Stream::GpsGlobalOrigin | Stream::HomePosition => 0.0,
+        }
+    }
+
+    /// The time between two messages by default; none if the stream is off.
+    pub fn default_interval(self, rates: &TelemetryRates) -> Option<Duration> {
+        let rate_hz = self.default_rate_hz(rates);
+        (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
+    }
+}
+
+/// When each stream of one link is due next. A stream is due at whole multiples of its interval, without drift.
+#[derive(Clone, Debug)]
+pub(crate) struct Schedule {
+    interval: [Option<Duration>; Stream::COUNT],
+    due: [Duration; Stream::COUNT],
+    next: Duration,
+}
+
+impl Schedule {
+    pub fn new(rates: &TelemetryRates, time: Duration) -> Self {
+        let interval = Stream::ALL.map(|stream| stream.default_interval(rates));
+        let due = interval.map(|interval| next_multiple(interval, time));
+        let mut schedule = Self { interval, due, next: Duration::MAX };
+        schedule.find_next();
+        schedule
+    }
+
+    /// The earliest time at which anything is due; [`Duration::MAX`] if all is off.
+    pub fn next(&self) -> Duration {
+        self.next
+    }
+
+    /// Sets the time between two messages of a stream; none switches it off.
+    pub fn set_interval(&mut self, stream: Stream, interval: Option<Duration>, time: Duration) {
+        let index = stream as usize;
+        self.interval[index] = interval;
+        self.due[index] = next_multiple(interval, time);
+        self.find_next();
+    }
+
+    /// Takes what is due at `time`, in the order of [`Stream::ALL`].
+    pub fn take_due(&mut self, time: Duration) -> impl Iterator<Item = Stream> + use<> {
+        let mut taken = [false; Stream::COUNT];
+        if self.next <= time {
+            for (index, due) in self.due.iter_mut().enumerate() {
+                if *due <= time {
+                    taken[index] = true;
+                    *due = next_multiple(self.interval[index], time);
+                }
+            }
+            self.find_next();
+        }
+        Stream::ALL.into_iter().filter(move |stream| taken[*stream as usize])
+    }
+
+    fn find_next(&mut self) {
+        self.next = self.due.into_iter().min().unwrap_or(Duration::MAX);
+    }
+}
+
+/// The first whole multiple of an interval after `time`.
+fn next_multiple(interval: Option<Duration>, time: Duration) -> Duration {
+    let Some(interval) = interval.filter(|interval| !interval.is_zero()) else { return Duration::MAX };
+    let past_nanos = u64::try_from(time.as_nanos() % interval.as_nanos()).unwrap_or(0);
+    time.saturating_add(interval).saturating_sub(Duration::from_nanos(past_nanos))
+}
+
+/// Everything that the messages are made of, at one moment.
+pub(crate) struct Instruments<'a> {
+    pub time: Duration,
+    pub flight: &'a Flight,
+    pub frame: &'a LocalFrame,
+    pub failsafe: bool,
+    pub clock_epoch_us: u64,
+}
+
+impl Instruments<'_> {
+    pub fn message(&self, stream: Stream) -> Message {
+        let (time, state) = (self.time, self.flight.state());
+        let origin = self.frame.origin();
+        match stream {
+            Stream::Heartbeat => telemetry::heartbeat(
+                MavType::MAV_TYPE_FIXED_WING,
+                MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+                base_mode(self.flight.mode(), self.flight.is_armed()),
+                self.flight.mode().number(),
+                self.status(),
+            ),
+            Stream::SysStatus => self.sys_status(),
+            Stream::SystemTime => {
+                telemetry::system_time(time, Duration::from_micros(self.clock_epoch_us).saturating_add(time))
+            }
+            Stream::Attitude => {
+                // A coordinated turn: the lift's horizontal part is the centripetal force.
+                let yaw_rate_radps = self.flight.course_rate_radps();
+                let gravity_mps2 = self.flight.limits().gravity_mps2;
+                let roll_rad = libm::atan(state.speed_mps * yaw_rate_radps / gravity_mps2);
+                telemetry::attitude(time, state, roll_rad, yaw_rate_radps)
+            }
+            Stream::LocalPositionNed => local_position_ned(time, state),
+            Stream::GlobalPositionInt => telemetry::global_position_int(time, state, self.frame),
+            Stream::VfrHud => {
+                // There is no engine: throttle is the share of the top speed that is flown.
+                let throttle_percent = (100.0 * state.speed_mps / self.flight.limits().speed_max_mps).round() as u16;
+                telemetry::vfr_hud(state, origin.altitude_amsl_m + state.altitude_m, throttle_percent)
+            }
+            Stream::GpsGlobalOrigin => telemetry::gps_global_origin(time, &origin),
+            Stream::HomePosition => Message::HOME_POSITION(HOME_POSITION_DATA {
+                latitude: (origin.latitude_deg * 1e7).round() as i32,
+                longitude: (origin.longitude_deg * 1e7).round() as i32,
+                altitude: (origin.altitude_amsl_m * 1e3).round() as i32,
+                q: [1.0, 0.0, 0.0, 0.0],
+                time_usec: u64::try_from(time.as_micros()).unwrap_or(u64::MAX),
+                ..HOME_POSITION_DATA::DEFAULT
+            }),
+        }
+    }
+
+    fn status(&self) -> MavState {
+        if self.failsafe {
+            MavState::MAV_STATE_CRITICAL
+        } else if self.flight.is_armed() {
+            MavState::MAV_STATE_ACTIVE
+        } else {
+            MavState::MAV_STATE_STANDBY
+        }
+    }
+
+    /// Every sensor that a client may wait for is there and healthy, the pre-arm check among them.
+    fn sys_status(&self) -> Message {
+        let sensors = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO
+            | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL
+            | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_MAG
+            | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ABSOLUTE_PRESSURE
+            | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE
+            | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS
+            | MavSysStatusSensor::MAV_SYS_STATUS_AHRS
+            | MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
+        Message::SYS_STATUS(SYS_STATUS_DATA {
+            onboard_control_sensors_present: sensors,
+            onboard_control_sensors_enabled: sensors,
+            onboard_control_sensors_health: sensors,
+            // No battery is simulated: the values that mean "not known".
+            voltage_battery: u16::MAX,
+            current_battery: -1,
+            battery_remaining: -1,
+            ..SYS_STATUS_DATA::DEFAULT
+        })
+    }
+}
+
+/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE.
+fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
+    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+        | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED
+        | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED;
+    if mode != Mode::Cruise {
+        flags |= MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED;
+    }
+    if armed {
+        flags |= MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED;
+    }
+    flags
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::VehicleSettings;
+    use mavlink_bridge::dialect::DialectMessage;
+
+    fn due_in(schedule: &mut Schedule, from_ms: u64, to_ms: u64) -> Vec<(u64, Stream)> {
+        (from_ms / 10 + 1..=to_ms / 10)
+            .flat_map(|step| schedule.take_due(Duration::from_millis(10 * step)).map(move |stream| (10 * step, stream)))
+            .collect()
+    }
+
+    #[test]
+    fn the_rates_are_kept_without_drift() {
+        let rates = TelemetryRates { attitude_hz: 30.0, ..TelemetryRates::default() };
+        let mut schedule = Schedule::new(&rates, Duration::ZERO);
+        let sent = due_in(&mut schedule, 0, 60_000);
+        let count = |stream| sent.iter().filter(|(_, sent)| *sent == stream).count();
+        assert_eq!(count(Stream::LocalPositionNed), 600);
+        assert_eq!(count(Stream::Heartbeat), 60);
+        assert_eq!(count(Stream::VfrHud), 240);
+        assert!((1_799..=1_800).contains(&count(Stream::Attitude)));
+        assert_eq!(count(Stream::HomePosition), 0);
+    }
+
+    #[test]
+    fn an_interval_can_be_set_and_switched_off() {
+        let mut schedule = Schedule::new(&TelemetryRates::OFF, Duration::ZERO);
+        assert_eq!(schedule.next(), Duration::MAX);
+        schedule.set_interval(Stream::HomePosition, Some(Duration::from_millis(50)), Duration::from_millis(70));
+        let times: Vec<u64> = due_in(&mut schedule, 70, 200).into_iter().map(|(time, _)| time).collect();
+        assert_eq!(times, [100, 150, 200]);
+        schedule.set_interval(Stream::HomePosition, None, Duration::from_millis(200));
+        assert_eq!(due_in(&mut schedule, 200, 1_000), []);
+    }
+
+    #[test]
+    fn every_stream_makes_its_own_message() {
+        let flight = Flight::new(&VehicleSettings::default());
+        let frame = VehicleSettings::default().frame;
+        let instruments =
+            Instruments { time: Duration::ZERO, flight: &flight, frame: &frame, failsafe: false, clock_epoch_us: 7 };
+        for stream in Stream::ALL {
+            assert_eq!(instruments.message(stream).message_id(), stream.message_id());
+            assert_eq!(Stream::from_message_id(stream.message_id()), Some(stream));
+        }
+    }
+
+    #[test]
+    fn the_heartbeat_is_arduplanes() {
+        assert_eq!(base_mode(Mode::Guided, true).bits(), 217);
+        assert_eq!(base_mode(Mode::Cruise, true).bits(), 209);
+        assert_eq!(base_mode(Mode::Guided, false).bits(), 89);
+    }
+
+    #[test]
+    fn a_coordinated_turn_banks() {
+        let mut flight = Flight::new(&VehicleSettings::default());
+        flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
+        (0..50).for_each(|_| flight.step());
+        let frame = VehicleSettings::default().frame;
+        let instruments =
+            Instruments { time: Duration::ZERO, flight: &flight, frame: &frame, failsafe: false, clock_epoch_us: 0 };
+        let Message::ATTITUDE(attitude) = instruments.message(Stream::Attitude) else { panic!() };
+        assert!((attitude.roll - std::f32::consts::FRAC_PI_4).abs() < 1e-5);
+        assert!((attitude.yawspeed - 1.0).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,424 @@
+//! The simulated autopilot: datagrams and times in, datagrams and states out.
+
+// Clients still speak what the dialect calls superseded, and ArduPlane answers.
+#![allow(deprecated)]
+
+use crate::commands::{Command, Refusal};
+use crate::flight::Flight;
+use crate::links::Links;
+use crate::lockstep::Lockstep;
+use crate::telemetry::{Instruments, Stream};
+use crate::{LockstepSettings, Mode, SettingsError, VehicleCounters, VehicleSettings};
+use flight_model::{Setpoint, State};
+use mavlink_bridge::dialect::{
+    DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA, STATUSTEXT_DATA, TIMESYNC_DATA,
+};
+use mavlink_bridge::{
+    Counters, Frame, FrameError, SetpointRefusal, Target, messages, raw_command, setpoint_from_local_ned,
+};
+use std::net::SocketAddr;
+use std::time::Duration;
+
+/// Who a datagram came from or goes to.
+pub type PeerId = SocketAddr;
+
+/// A datagram to send.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transmit {
+    /// To whom.
+    pub to: PeerId,
+    /// Whole MAVLink frames, at most 1200 bytes.
+    pub datagram: Vec<u8>,
+}
+
+/// One simulated autopilot that speaks MAVLink as ArduPlane does.
+///
+/// It does no I/O and knows no clock. There are two times, both counted from the start: *vehicle time*, which only
+/// [`advance`](Self::advance) moves, in whole integration steps, and *host time* (the arguments called `now`), which
+/// tells when to ask again and which peers have fallen silent. In real time the host lets them run together.
+///
+/// ```
+/// use sim_vehicle::{Vehicle, VehicleSettings};
+/// use std::time::Duration;
+///
+/// let mut vehicle = Vehicle::new(VehicleSettings { ground: None, ..VehicleSettings::default() })?;
+/// let mut track = Vec::new();
+/// vehicle.advance(Duration::from_secs(1), &mut track);
+/// assert_eq!(track.len(), 100);
+/// assert!((vehicle.state().x_m - 10.0).abs() < 1e-9);
+/// # Ok::<(), sim_vehicle::SettingsError>(())
+/// ```
+#[derive(Debug)]
+pub struct Vehicle {
+    pub(crate) settings: VehicleSettings,
+    pub(crate) flight: Flight,
+    pub(crate) links: Links,
+    pub(crate) time: Duration,
+    lockstep: Option<Lockstep>,
+    host_now: Duration,
+    /// Vehicle time at which the lack of setpoints becomes a failsafe.
+    setpoints_until: Duration,
+    failsafe: bool,
+    /// Vehicle time before which no further refused setpoint is put into words.
+    quiet_until: Duration,
+    counters: VehicleCounters,
+    wire: Counters,
+}
+
+/// Why a setpoint is not flown.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SetpointRefused {
+    /// The vehicle follows setpoints only in GUIDED.
+    #[error("mode is {0}")]
+    NotGuided(Mode),
+    /// The setpoint itself cannot be flown.
+    #[error(transparent)]
+    Setpoint(#[from] SetpointRefusal),
+}
+
+impl Vehicle {
+    /// A vehicle whose time follows the host's.
+    pub fn new(settings: VehicleSettings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self::start(settings, None))
+    }
+
+    /// A vehicle whose time moves on by one control period for each setpoint that carries its stamp. It first says where
+    /// it is at time zero.
+    pub fn in_lockstep(settings: VehicleSettings, lockstep: LockstepSettings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        lockstep.validate(settings.step)?;
+        Ok(Self::start(settings, Some(Lockstep::new(lockstep))))
+    }
+
+    fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Self {
+        let mut vehicle = Self {
+            flight: Flight::new(&settings),
+            links: Links::new(&settings),
+            time: Duration::ZERO,
+            lockstep,
+            host_now: Duration::ZERO,
+            setpoints_until: Duration::MAX,
+            failsafe: false,
+            quiet_until: Duration::ZERO,
+            counters: VehicleCounters::default(),
+            wire: Counters::default(),
+            settings,
+        };
+        vehicle.restart_setpoint_timeout();
+        (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
+        vehicle
+    }
+
+    /// Takes a datagram that came from a peer at host time `now`. What cannot be read is counted and has no effect.
+    pub fn handle(&mut self, now: Duration, datagram: &[u8], from: PeerId) {
+        let mut wire = self.wire;
+        for (frame, message) in messages(datagram, &mut wire) {
+            self.handle_frame(now, &frame, &message, from);
+        }
+        self.wire = wire;
+    }
+
+    /// Takes one frame, read already; for hosts that serve many vehicles on one port.
+    pub fn handle_frame(
+        &mut self,
+        now: Duration,
+        frame: &Frame<'_>,
+        message: &Result<Message, FrameError>,
+        from: PeerId,
+    ) {
+        self.note_host_time(now);
+        let Some(target) = target_system(frame, message) else { return };
+        let ours = target == 0 || target == self.settings.system_id;
+        let from_ourselves = frame.header.system_id == self.settings.system_id;
+        if !ours || from_ourselves {
+            self.counters.frames_for_others += 1;
+            return;
+        }
+        let (link, is_new) = self.links.hear(from, self.host_now, self.time);
+        if is_new {
+            self.announce(link);
+        }
+        let sender = Target { system_id: frame.header.system_id, component_id: frame.header.component_id };
+        match message {
+            Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
+            Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
+            Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
+            Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
+            Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
+            Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
+            // Parameters, missions and the fence are to be answered from here.
+            Ok(_) => {}
+            Err(_) => {
+                if let Some(raw) = raw_command(frame) {
+                    self.obey(link, raw.command, sender, Err(Refusal::unreadable(raw.command)));
+                }
+            }
+        }
+    }
+
+    /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.
+    pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointRefused> {
+        self.check_guided()?;
+        if !setpoint.is_finite() {
+            return Err(SetpointRefusal::NotFinite.into());
+        }
+        self.flight.set_speed(setpoint.speed_mps, f64::INFINITY);
+        self.flight.set_course(setpoint.course_rad, f64::INFINITY);
+        self.flight.set_altitude(setpoint.altitude_m, f64::INFINITY);
+        self.restart_setpoint_timeout();
+        Ok(())
+    }
+
+    /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to `track`.
+    /// Telemetry that falls due on the way is queued. In lockstep it goes no further than
+    /// [`released_until`](Self::released_until).
+    pub fn advance(&mut self, until: Duration, track: &mut Vec<State>) {
+        let Some(lockstep) = &self.lockstep else {
+            self.integrate(until, track);
+            return;
+        };
+        let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
+        self.links.begin_batch(None);
+        self.integrate(tick_end.saturating_sub(self.settings.step), track);
+        self.flight.step();
+        self.time = tick_end;
+        track.push(*self.flight.state());
+        self.check_failsafe();
+        self.with_instruments(Links::send_due_and_position);
+        self.links.end_batch();
+        if let Some(lockstep) = &mut self.lockstep {
+            lockstep.wait_from(self.host_now);
+        }
+    }
+
+    /// In lockstep, the vehicle time to which the setpoint in hand lets it fly; none while it waits for one, and none in
+    /// real time.
+    pub fn released_until(&self) -> Option<Duration> {
+        self.lockstep.as_ref()?.released_until(self.time)
+    }
+
+    /// The host time at which [`handle_timeout`](Self::handle_timeout) wants to be called, if any.
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        if self.links.is_empty() { None } else { self.lockstep.as_ref()?.resend_at() }
+    }
+
+    /// Tells the vehicle the host time: it forgets silent peers, and in lockstep asks again if it waits for too long.
+    pub fn handle_timeout(&mut self, now: Duration) {
+        self.note_host_time(now);
+        if self.lockstep.as_mut().is_some_and(|lockstep| lockstep.take_resend(now)) {
+            self.links.resend_batch();
+            self.counters.resends += 1;
+        }
+    }
+
+    /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
+    pub fn poll_transmit(&mut self) -> Option<Transmit> {
+        self.links.poll()
+    }
+
+    /// Where it is.
+    pub fn state(&self) -> &State {
+        self.flight.state()
+    }
+
+    /// Vehicle time.
+    pub fn time(&self) -> Duration {
+        self.time
+    }
+
+    /// Its flight mode.
+    pub fn mode(&self) -> Mode {
+        self.flight.mode()
+    }
+
+    /// Whether it is armed, and so flies.
+    pub fn is_armed(&self) -> bool {
+        self.flight.is_armed()
+    }
+
+    /// Whether the lack of setpoints took it out of GUIDED and nobody has set a mode since.
+    pub fn is_in_failsafe(&self) -> bool {
+        self.failsafe
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> &VehicleSettings {
+        &self.settings
+    }
+
+    /// What it has done so far.
+    pub fn counters(&self) -> VehicleCounters {
+        self.counters
+    }
+
+    /// What [`handle`](Self::handle) has read so far.
+    pub fn wire_counters(&self) -> Counters {
+        self.wire
+    }
+
+    fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
+        let step = self.settings.step;
+        while self.time + step <= until {
+            self.flight.step();
+            self.time += step;
+            track.push(*self.flight.state());
+            self.check_failsafe();
+            if self.time >= self.links.next_due() {
+                self.with_instruments(Links::send_due);
+            }
+        }
+    }
+
+    fn check_failsafe(&mut self) {
+        if self.time < self.setpoints_until {
+            return;
+        }
+        self.setpoints_until = Duration::MAX;
+        self.flight.set_mode(Mode::Loiter);
+        self.failsafe = true;
+        self.counters.failsafes += 1;
+        let text = format!("Failsafe: no setpoint for {} s, LOITER", self.settings.setpoint_timeout_s);
+        self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &text);
+    }
+
+    /// The time-out runs while the vehicle flies in GUIDED.
+    pub(crate) fn restart_setpoint_timeout(&mut self) {
+        let timeout_s = self.settings.setpoint_timeout_s;
+        let runs = timeout_s > 0.0 && self.flight.is_armed() && self.flight.mode() == Mode::Guided;
+        let timeout = if runs { Duration::try_from_secs_f64(timeout_s).ok() } else { None };
+        self.setpoints_until = timeout.map_or(Duration::MAX, |timeout| self.time.saturating_add(timeout));
+    }
+
+    pub(crate) fn set_mode(&mut self, mode: Mode) {
+        self.flight.set_mode(mode);
+        self.failsafe = false;
+        self.restart_setpoint_timeout();
+    }
+
+    fn check_guided(&self) -> Result<(), SetpointRefused> {
+        match self.flight.mode() {
+            Mode::Guided => Ok(()),
+            other => Err(SetpointRefused::NotGuided(other)),
+        }
+    }
+
+    fn take_setpoint(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
+        if self.lockstep.as_mut().is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, self.time)) {
+            self.counters.setpoints_out_of_step += 1;
+            return;
+        }
+        let result = self.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?));
+        match result {
+            Ok(setpoint) => {
+                self.counters.setpoints_accepted += 1;
+                let full = setpoint.over(&self.flight.state().hold());
+                if let Some(velocity) = setpoint.velocity {
+                    self.flight.set_speed(full.speed_mps, f64::INFINITY);
+                    // A velocity of zero has no direction: the course stays.
+                    if velocity != (0.0, 0.0) {
+                        self.flight.set_course(full.course_rad, f64::INFINITY);
+                    }
+                }
+                if setpoint.altitude.is_some() {
+                    self.flight.set_altitude(full.altitude_m, f64::INFINITY);
+                }
+                self.restart_setpoint_timeout();
+            }
+            Err(refused) => {
+                self.counters.setpoints_refused += 1;
+                // Setpoints come in streams: one word in five seconds is enough.
+                if self.time >= self.quiet_until {
+                    self.quiet_until = self.time + Duration::from_secs(5);
+                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {refused}"));
+                }
+            }
+        }
+    }
+
+    fn obey(&mut self, link: usize, number: u16, sender: Target, command: Result<Command, Refusal>) {
+        let outcome = command.and_then(|command| self.execute(&command, link));
+        let result = match outcome {
+            Ok(()) => {
+                self.counters.commands_accepted += 1;
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            Err(refusal) => {
+                self.counters.commands_refused += 1;
+                if let Some(reason) = &refusal.reason {
+                    self.say(MavSeverity::MAV_SEVERITY_WARNING, reason);
+                }
+                refusal.result
+            }
+        };
+        self.links.acknowledge(link, number, result, sender);
+    }
+
+    /// SET_MODE is acknowledged as if its message id were a command's number: so does ArduPilot.
+    fn legacy_set_mode(&mut self, link: usize, sender: Target, data: &SET_MODE_DATA) {
+        const SET_MODE_ID: u16 = 11;
+        let custom = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
+        self.obey(link, SET_MODE_ID, sender, Ok(Command::set_mode(custom, data.custom_mode)));
+    }
+
+    fn answer_timesync(&mut self, link: usize, sender: Target, data: &TIMESYNC_DATA) {
+        // A set tc1 is itself an answer.
+        if data.tc1 == 0 {
+            let tc1 = i64::try_from(self.time.as_nanos()).unwrap_or(i64::MAX);
+            let Target { system_id: target_system, component_id: target_component } = sender;
+            self.links
+                .send(link, &Message::TIMESYNC(TIMESYNC_DATA { tc1, ts1: data.ts1, target_system, target_component }));
+        }
+    }
+
+    fn answer_ping(&mut self, link: usize, sender: Target, data: &PING_DATA) {
+        // A ping with a target is itself an answer.
+        if data.target_system == 0 && data.target_component == 0 {
+            let Target { system_id: target_system, component_id: target_component } = sender;
+            self.links.send(link, &Message::PING(PING_DATA { target_system, target_component, ..data.clone() }));
+        }
+    }
+
+    /// Says who and where it is to a new peer, who will be asked again in lockstep.
+    fn announce(&mut self, link: usize) {
+        self.links.begin_batch(Some(link));
+        self.send_stream(link, Stream::Heartbeat);
+        self.send_stream(link, Stream::LocalPositionNed);
+        self.links.end_batch();
+    }
+
+    pub(crate) fn send_stream(&mut self, link: usize, stream: Stream) {
+        self.with_instruments(|links, instruments| links.send(link, &instruments.message(stream)));
+    }
+
+    fn say(&mut self, severity: MavSeverity, text: &str) {
+        let text = text.get(..text.len().min(50)).unwrap_or_default();
+        let text = STATUSTEXT_DATA { severity, text: text.into(), ..STATUSTEXT_DATA::DEFAULT };
+        self.links.send_all(&Message::STATUSTEXT(text));
+    }
+
+    fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
+        let instruments = Instruments {
+            time: self.time,
+            flight: &self.flight,
+            frame: &self.settings.frame,
+            failsafe: self.failsafe,
+            clock_epoch_us: self.settings.clock_epoch_us,
+        };
+        send(&mut self.links, &instruments);
+    }
+
+    fn note_host_time(&mut self, now: Duration) {
+        self.host_now = self.host_now.max(now);
+        self.links.drop_silent(self.host_now);
+    }
+}
+
+/// The system that a frame is for, 0 for all; none if the frame tells nothing to anyone.
+pub(crate) fn target_system(frame: &Frame<'_>, message: &Result<Message, FrameError>) -> Option<u8> {
+    match message {
+        Ok(message) => Some(message.target_system_id().unwrap_or(0)),
+        Err(_) => raw_command(frame).map(|command| command.target_system),
+    }
+}
