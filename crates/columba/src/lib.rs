@@ -1,5 +1,11 @@
-//! The rooms of the program that can be tested without it: what a flight was, how it is recorded, how it is reported.
+//! The program's rooms: configuration, the three ways to fly, the judge, the record and the report. It wires the other
+//! crates together and holds no algorithm.
 
+pub mod args;
+pub mod commands;
+pub mod config;
 pub mod flight;
+pub mod flying;
+pub mod judge;
 pub mod record;
 pub mod report;

@@ -1,2 +1,28 @@
-//! columba
-fn main() {}
+//! The program: reads its arguments, runs a command, and answers with an exit status.
+
+use clap::Parser;
+use columba::args::{Cli, Command};
+use columba::commands::{self, Failure};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    commands::start_tracing();
+    let result = match &cli.command {
+        Command::Run(args) => commands::run(&cli, args),
+        Command::Vehicles(args) => commands::vehicles(&cli, args),
+        Command::Fly(args) => commands::fly(&cli, args),
+        Command::Check(args) => commands::check(&cli, args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Flight(what)) => {
+            eprintln!("columba: {what}");
+            ExitCode::from(1)
+        }
+        Err(Failure::Usage(error)) => {
+            eprintln!("columba: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

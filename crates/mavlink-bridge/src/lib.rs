@@ -25,6 +25,7 @@ pub mod command;
 pub mod counters;
 pub mod dialect;
 pub mod encoder;
+pub mod fleet;
 pub mod frame;
 pub mod impairment;
 pub mod setpoint;
@@ -36,6 +37,7 @@ pub use command::{CommandKind, RawCommand, raw_command};
 pub use counters::{Counters, SequenceTracker};
 pub use dialect::{Message, Target};
 pub use encoder::Encoder;
+pub use fleet::{Craft, Fleet, Identity, News, Position};
 pub use frame::{Frame, FrameError, Header, Version, frames, messages};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
 pub use setpoint::{

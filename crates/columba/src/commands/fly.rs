@@ -1,0 +1,41 @@
+//! `columba fly`: the controller, against whatever answers.
+
+use super::{Failure, block_on, conclude, start_threads, stop_on_signal};
+use crate::args::{Cli, FlyArgs};
+use crate::config::{self, Overrides, Scenario};
+use crate::flying::{self, Ground, Pace, Progress};
+use crate::record::RunFolder;
+use anyhow::Context;
+use std::net::SocketAddr;
+
+/// Where vehicles send their telemetry unasked.
+const GROUND_PORT: u16 = 14550;
+
+/// Flies the scenario with vehicles that run elsewhere and writes its folder.
+pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
+    let overrides = Overrides { vehicle_port: args.vehicle_port, ..args.flight.overrides() };
+    let scenario = config::load(args.config.as_deref(), &overrides)?;
+    start_threads(cli)?;
+    let folder = RunFolder::create(&scenario.folder)?;
+    let stop = stop_on_signal()?;
+    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
+    let (flight, log) = block_on(async {
+        let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
+        let mut ground = Ground::bind(&scenario, address).context("the controller's port ([link] ground_port, --ground-port)")?;
+        ground.expect(scenario.starts.len(), addresses(&scenario).as_deref());
+        if args.lockstep {
+            flying::fly_in_lockstep(&scenario, ground, None, &progress, stop).await
+        } else {
+            flying::fly_in_real_time(&scenario, ground, None, Pace { speed: args.speed }, &progress, stop).await
+        }
+    })?;
+    drop(progress);
+    conclude(cli, &scenario, &folder, &flight, Some(log), !args.flight.no_report)
+}
+
+/// The vehicles' addresses, where the scenario names their first port.
+fn addresses(scenario: &Scenario) -> Option<Vec<SocketAddr>> {
+    let first = scenario.link.vehicle_port.filter(|&port| port > 0)?;
+    let port = |index: usize| u16::try_from(usize::from(first) + index).ok();
+    (0..scenario.starts.len()).map(|index| port(index).map(|port| SocketAddr::new(scenario.link.host, port))).collect()
+}

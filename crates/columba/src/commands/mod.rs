@@ -1,0 +1,122 @@
+//! The subcommands.
+
+mod check;
+mod fly;
+mod run;
+mod vehicles;
+
+pub use check::check;
+pub use fly::fly;
+pub use run::run;
+pub use vehicles::vehicles;
+
+use crate::args::Cli;
+use crate::config::Scenario;
+use crate::flight::Flight;
+use crate::flying::{Log, Stop};
+use crate::record::{self, RunFolder};
+use crate::report;
+use anyhow::Context;
+use std::future::Future;
+use tokio::sync::watch;
+use tracing_subscriber::EnvFilter;
+
+/// How a command ends without success; the exit status is decided here and nowhere else.
+#[derive(Debug)]
+pub enum Failure {
+    /// The flight failed, and how: exit status 1.
+    Flight(String),
+    /// The arguments or a file are wrong, or something they name cannot be had: exit status 2.
+    Usage(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
+/// Warnings to standard error, or what RUST_LOG asks for.
+pub fn start_tracing() {
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_target(false).init();
+}
+
+/// Set by Ctrl-C and by a polite kill. A second one ends the program at once.
+fn stop_on_signal() -> anyhow::Result<Stop> {
+    let (sender, stop) = watch::channel(false);
+    ctrlc::set_handler(move || {
+        if sender.send_replace(true) {
+            std::process::exit(130);
+        }
+    })
+    .context("cannot listen for Ctrl-C")?;
+    Ok(stop)
+}
+
+/// The pool on which flocks are solved.
+fn start_threads(cli: &Cli) -> anyhow::Result<()> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
+    }
+    Ok(())
+}
+
+/// Runs a future on this thread.
+fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
+    tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start the runtime")?.block_on(future)
+}
+
+/// Writes what a flight leaves behind, says where, and how it ended.
+fn conclude(cli: &Cli, scenario: &Scenario, folder: &RunFolder, flight: &Flight, log: Option<Log>, with_report: bool) -> Result<(), Failure> {
+    record::write(folder, flight)?;
+    if let Some(log) = log {
+        log.write(folder)?;
+    }
+    if with_report {
+        report::write(folder.path(), flight)?;
+    }
+    if !cli.quiet {
+        say(scenario, folder, flight, with_report);
+    }
+    let summary = &flight.summary;
+    match (&summary.failure, summary.success) {
+        (_, true) => Ok(()),
+        (Some(failure), false) => Err(Failure::Flight(failure.clone())),
+        (None, false) => Err(Failure::Flight("the flight did not succeed".to_owned())),
+    }
+}
+
+fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bool) {
+    let summary = &flight.summary;
+    let metres = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.2} m"));
+    let seconds = |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |value| format!("{value:.1} s"));
+    println!(
+        "{}: {} UAVs, {} obstacles, {:.1} s flown in {:.2} s ({:.0} times real time, {})",
+        scenario.name,
+        summary.vehicles,
+        summary.obstacles,
+        summary.duration_s,
+        summary.wall_s,
+        summary.real_time_factor,
+        summary.transport
+    );
+    println!(
+        "  collisions: {} with obstacles, {} between UAVs; smallest separation {}, smallest clearance {}",
+        summary.obstacle_collisions,
+        summary.vehicle_collisions,
+        metres(summary.min_separation_m),
+        metres(summary.min_clearance_m)
+    );
+    println!(
+        "  past the last obstacle: {} of {}; speed converged {}, course {}, altitude {}",
+        summary.passed_last_obstacle,
+        summary.vehicles,
+        seconds(summary.speed_convergence_s),
+        seconds(summary.course_convergence_s),
+        seconds(summary.altitude_settling_s)
+    );
+    let what = if with_report { "report" } else { "record" };
+    let file = if with_report { "report.html" } else { "summary.json" };
+    println!("  {what}: {}", folder.path().join(file).display());
+}

@@ -1,0 +1,97 @@
+//! `columba run`: a scenario end to end.
+
+use super::{Failure, block_on, conclude, start_threads, stop_on_signal};
+use crate::args::{Cli, RunArgs, Transport};
+use crate::config::{self, Overrides, Scenario};
+use crate::flight::Flight;
+use crate::flying::{self, Ground, LOCKSTEP_EPOCH_US, Log, Pace, Progress, Stop, Truth};
+use crate::record::RunFolder;
+use anyhow::{Context, anyhow};
+use mavlink_bridge::LinkSettings;
+use sim_vehicle::{Clock, Host, HostReport, LockstepSettings};
+use std::net::SocketAddr;
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime};
+use tokio::sync::{oneshot, watch};
+
+/// Ports where nothing is asked for and others may want to look on.
+const VEHICLE_PORT: u16 = 14600;
+
+/// Flies the scenario and writes its folder.
+pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
+    let overrides = Overrides { vehicle_port: args.vehicle_port, ..args.flight.overrides() };
+    let scenario = config::load(args.config.as_deref(), &overrides)?;
+    if args.transport == Transport::Memory && args.speed.is_some() {
+        return Err(anyhow!("--speed needs --transport udp: a run in memory has no clock").into());
+    }
+    start_threads(cli)?;
+    let folder = RunFolder::create(&scenario.folder)?;
+    let stop = stop_on_signal()?;
+    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
+    let (flight, log) = match args.transport {
+        Transport::Memory => (flying::fly_in_memory(&scenario, &progress, &stop)?, None),
+        Transport::Udp => {
+            let (flight, log) = over_udp(&scenario, args.speed, &progress, stop)?;
+            (flight, Some(log))
+        }
+    };
+    drop(progress);
+    conclude(cli, &scenario, &folder, &flight, log, !args.flight.no_report)
+}
+
+/// The vehicles on a thread of their own, the controller on this one.
+fn over_udp(scenario: &Scenario, speed: Option<f64>, progress: &Progress, stop: Stop) -> anyhow::Result<(Flight, Log)> {
+    block_on(async {
+        let mut ground = Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
+            .context("the controller's port ([link] ground_port, --ground-port)")?;
+        let (clock, base_port, epoch_us) = match speed {
+            None => {
+                let lockstep = LockstepSettings { period: scenario.control_period, ..LockstepSettings::default() };
+                (Clock::Lockstep(lockstep), scenario.link.vehicle_port.unwrap_or(0), LOCKSTEP_EPOCH_US)
+            }
+            Some(speed) => {
+                let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+                let clock = Clock::RealTime { speed, tick: Duration::from_millis(5) };
+                (clock, scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT), now.as_micros() as u64)
+            }
+        };
+        let (observer, truth) = flying::truth(scenario.starts.len(), scenario.integration_step);
+        let vehicles = flying::vehicle_settings(scenario, Some(ground.address()?), epoch_us);
+        // The link's impairment is the ground's: both directions pass there once.
+        let settings = flying::host_settings(scenario, clock, base_port, LinkSettings::default());
+        let (stop_vehicles, stopped) = watch::channel(false);
+        let (tell_addresses, addresses) = oneshot::channel();
+        let host: JoinHandle<anyhow::Result<HostReport>> = std::thread::spawn(move || {
+            block_on(async move {
+                let host = Host::bind(&settings, vehicles).context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
+                let _ = tell_addresses.send(host.addresses().to_vec());
+                Ok(host.run(observer, stopped).await?)
+            })
+        });
+        let flown = match addresses.await {
+            Ok(addresses) => {
+                ground.expect(addresses.len(), Some(&addresses));
+                Some(fly(scenario, ground, truth, speed, progress, stop).await)
+            }
+            // The host could not bind its ports, and says why when it is joined.
+            Err(_) => None,
+        };
+        stop_vehicles.send_replace(true);
+        host.join().map_err(|_| anyhow!("the vehicles' thread failed"))??;
+        flown.unwrap_or_else(|| Err(anyhow!("the vehicles did not start")))
+    })
+}
+
+async fn fly(
+    scenario: &Scenario,
+    ground: Ground,
+    truth: Truth,
+    speed: Option<f64>,
+    progress: &Progress,
+    stop: Stop,
+) -> anyhow::Result<(Flight, Log)> {
+    match speed {
+        None => flying::fly_in_lockstep(scenario, ground, Some(truth), progress, stop).await,
+        Some(speed) => flying::fly_in_real_time(scenario, ground, Some(truth), Pace { speed }, progress, stop).await,
+    }
+}

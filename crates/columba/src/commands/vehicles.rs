@@ -1,0 +1,89 @@
+//! `columba vehicles`: the simulated vehicles alone.
+
+use super::{Failure, block_on, stop_on_signal};
+use crate::args::{Cli, VehiclesArgs};
+use crate::config::{self, Overrides};
+use crate::flying::{self, LOCKSTEP_EPOCH_US};
+use anyhow::Context;
+use mavlink_bridge::LinkSettings;
+use sim_vehicle::{Clock, Host, LockstepSettings, VehicleSettings};
+use std::io::Write;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+const VEHICLE_PORT: u16 = 14600;
+const GROUND_PORT: u16 = 14550;
+
+/// Runs the vehicles until Ctrl-C.
+pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
+    let overrides = Overrides {
+        seed: args.seed,
+        vehicle_port: args.vehicle_port,
+        ground_port: args.ground_port,
+        loss: args.loss,
+        count: args.count,
+        ..Overrides::default()
+    };
+    let scenario = config::load(args.config.as_deref(), &overrides)?;
+    let stop = stop_on_signal()?;
+    let now_us = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_micros() as u64;
+    let (clock, epoch_us) = if args.lockstep {
+        let lockstep = LockstepSettings { period: scenario.control_period, ..LockstepSettings::default() };
+        (Clock::Lockstep(lockstep), LOCKSTEP_EPOCH_US)
+    } else {
+        (Clock::RealTime { speed: args.speed, tick: Duration::from_millis(5) }, now_us)
+    };
+    let ground = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
+    let impairment = scenario.link.impairment;
+    let link =
+        LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
+    let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
+    let settings = flying::host_settings(&scenario, clock, base_port, link);
+    let vehicles = flying::vehicle_settings(&scenario, Some(ground), epoch_us);
+    let report = block_on(async {
+        let host = Host::bind(&settings, vehicles.clone()).context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
+        if args.json || !cli.quiet {
+            let table = table(&vehicles, host.addresses(), ground, args.json);
+            // Scripts wait for this: it must not stay in a buffer.
+            let mut out = std::io::stdout().lock();
+            out.write_all(table.as_bytes()).and_then(|()| out.flush()).context("cannot print the table of vehicles")?;
+        }
+        Ok(host.run(Arc::new(|_| {}), stop).await?)
+    })?;
+    tracing::info!(wire = ?report.wire, "vehicles stopped");
+    Ok(())
+}
+
+/// Who is where on which port.
+fn table(vehicles: &[VehicleSettings], addresses: &[SocketAddr], ground: SocketAddr, json: bool) -> String {
+    let rows = vehicles.iter().zip(addresses).enumerate();
+    if json {
+        let rows: Vec<serde_json::Value> = rows
+            .map(|(index, (vehicle, address))| {
+                let start = vehicle.start;
+                serde_json::json!({
+                    "vehicle": index + 1, "system_id": vehicle.system_id, "component_id": vehicle.component_id,
+                    "address": address.to_string(), "host": address.ip().to_string(), "port": address.port(),
+                    "x_m": start.x_m, "y_m": start.y_m, "altitude_m": start.altitude_m,
+                    "speed_mps": start.speed_mps, "course_rad": start.course_rad,
+                })
+            })
+            .collect();
+        return format!("{}\n", serde_json::json!({ "ground": ground.to_string(), "vehicles": rows }));
+    }
+    let mut table = format!("{:>7} {:>6}  {:<21} {:>9} {:>9} {:>8}\n", "vehicle", "system", "listens on", "x m", "y m", "alt m");
+    for (index, (vehicle, address)) in rows {
+        let start = vehicle.start;
+        table += &format!(
+            "{:>7} {:>6}  {:<21} {:>9.1} {:>9.1} {:>8.1}\n",
+            index + 1,
+            vehicle.system_id,
+            address.to_string(),
+            start.x_m,
+            start.y_m,
+            start.altitude_m
+        );
+    }
+    table + &format!("telemetry to {ground} and to whoever speaks to a vehicle; Ctrl-C ends\n")
+}

@@ -1,0 +1,24 @@
+//! Flying a scenario: the same flock over three transports, and what is kept of a flight.
+
+mod ground;
+mod lockstep;
+mod log;
+mod memory;
+mod progress;
+mod real_time;
+mod recorder;
+mod truth;
+mod vehicles;
+
+pub use ground::{Ground, GroundError};
+pub use lockstep::fly as fly_in_lockstep;
+pub use log::Log;
+pub use memory::fly as fly_in_memory;
+pub use progress::Progress;
+pub use real_time::{Pace, fly as fly_in_real_time};
+pub use recorder::{Ended, Recorder};
+pub use truth::{Truth, truth};
+pub use vehicles::{LOCKSTEP_EPOCH_US, host_settings, vehicle_settings};
+
+/// Lets go of a flight: holds true once someone asks it to end.
+pub type Stop = tokio::sync::watch::Receiver<bool>;

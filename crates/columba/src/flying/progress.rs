@@ -1,0 +1,39 @@
+//! How far a flight is, on a terminal that someone watches.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::Duration;
+
+/// A bar over the ticks of a flight; nothing where nobody watches.
+pub struct Progress {
+    bar: ProgressBar,
+    period: Duration,
+}
+
+impl Progress {
+    /// A bar for a flight of `ticks`, drawn only on a terminal and only unless `quiet`.
+    pub fn new(ticks: u64, period: Duration, quiet: bool) -> Self {
+        let bar = ProgressBar::new(ticks);
+        if quiet || !std::io::stderr().is_terminal() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if let Ok(style) = ProgressStyle::with_template("  {bar:32} {msg} {percent:>3} %") {
+            bar.set_style(style);
+        }
+        Self { bar, period }
+    }
+
+    /// So many ticks are flown.
+    pub fn flown(&self, ticks: u64) {
+        if !self.bar.is_hidden() {
+            self.bar.set_message(format!("{:.1} s flown", self.period.as_secs_f64() * ticks as f64));
+        }
+        self.bar.set_position(ticks);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

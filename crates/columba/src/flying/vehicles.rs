@@ -1,0 +1,51 @@
+//! The simulated vehicles of a scenario.
+
+use crate::config::Scenario;
+use mavlink_bridge::LinkSettings;
+use sim_vehicle::{Clock, HostSettings, TelemetryRates, VehicleSettings};
+use std::net::SocketAddr;
+
+/// Time zero of a flight in simulated time, in microseconds since the Unix epoch: 2026-01-01, so that a flight's log is
+/// the same whenever it is flown.
+pub const LOCKSTEP_EPOCH_US: u64 = 1_767_225_600_000_000;
+
+/// System ids of one MAVLink network; further vehicles begin again at one, and differ by their port.
+const SYSTEM_IDS: usize = 250;
+
+/// The system id of the vehicle of an index.
+pub fn system_id(index: usize) -> u8 {
+    (index % SYSTEM_IDS) as u8 + 1
+}
+
+/// Settings of every vehicle of the scenario; telemetry goes to `ground` unasked.
+pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_epoch_us: u64) -> Vec<VehicleSettings> {
+    let autopilot = &scenario.autopilot;
+    let vehicle = |(index, start): (usize, &flight_model::State)| VehicleSettings {
+        system_id: system_id(index),
+        dynamics: scenario.dynamics,
+        step: scenario.integration_step,
+        start: *start,
+        frame: scenario.frame,
+        armed: autopilot.armed,
+        rates: TelemetryRates {
+            heartbeat_hz: autopilot.heartbeat_hz,
+            sys_status_hz: autopilot.sys_status_hz,
+            system_time_hz: autopilot.system_time_hz,
+            attitude_hz: autopilot.attitude_hz,
+            global_position_int_hz: autopilot.global_position_int_hz,
+            vfr_hud_hz: autopilot.vfr_hud_hz,
+            local_position_ned_hz: autopilot.local_position_ned_hz,
+        },
+        setpoint_timeout_s: autopilot.setpoint_timeout_s,
+        loiter_radius_m: autopilot.loiter_radius_m,
+        clock_epoch_us,
+        ground,
+        ..VehicleSettings::default()
+    };
+    scenario.starts.iter().enumerate().map(vehicle).collect()
+}
+
+/// The host of a scenario's vehicles.
+pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: LinkSettings) -> HostSettings {
+    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port: 1, clock, link }
+}
