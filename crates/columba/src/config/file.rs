@@ -1,7 +1,7 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// The whole file.
 #[derive(Clone, Debug, Deserialize)]
@@ -35,7 +35,7 @@ pub struct ScenarioFile {
 }
 
 /// Which reading of the paper the law, the weights and the look-ahead start from; the tables of the file then change it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// What flies best, by the evidence in docs/.
@@ -141,7 +141,7 @@ impl PatternTable {
 }
 
 /// How the starts of many vehicles are laid out; their centre is at (x_m, y_m), their front along the course.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pattern {
     /// Abreast, square to the course.
@@ -179,7 +179,7 @@ pub struct OptimizerTable {
 }
 
 /// Which optimiser picks the weights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Algorithm {
     /// Multi-objective social learning pigeon-inspired optimisation.
@@ -300,7 +300,7 @@ pub struct LinkTable {
 }
 
 /// How setpoints are written in real time; a lockstep run always uses the stamped local-ned form.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum SetpointDialect {
     /// COMMAND_INT GUIDED_CHANGE_SPEED, _ALTITUDE and _HEADING, as ArduPlane takes them.
