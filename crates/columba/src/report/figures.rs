@@ -168,8 +168,8 @@ pub fn distances(flight: &Flight) -> String {
     // What is near matters: a flock or an obstacle far away may leave the chart at the top.
     let values = || lines.iter().flat_map(|(points, ..)| points.iter().map(|(_, value)| *value));
     let (low, high) = bounds(values().chain([0.0, 1.2 * field.safe_distance_m]));
-    let lowest_maximum = lines.iter().map(|(points, ..)| bounds(points.iter().map(|(_, value)| *value)).1);
-    let enough = lowest_maximum.fold(f64::INFINITY, f64::min).max(4.0 * field.safe_distance_m);
+    let (_, widest) = bounds(trajectory.ticks.iter().map(|tick| tick.min_separation_m));
+    let enough = widest.max(4.0 * field.safe_distance_m);
     let frame = time_frame(flight, legend.height(), 230.0, Axis::nice(low, high.min(enough), 1.0, 5.0));
 
     let mut drawing = new_drawing(&frame, "Smallest separation and clearance over time");
@@ -205,7 +205,7 @@ pub fn alphas(flight: &Flight) -> String {
         (Mark::Band(series(0)), "least to greatest".to_owned()),
     ]);
 
-    let (_, high) = bounds(rows.iter().flat_map(|row| row.alpha).chain([0.0]));
+    let (_, high) = bounds(rows.iter().flat_map(|row| row.alpha).chain([1.0]));
     let (height, gap) = if shared { (230.0, 0.0) } else { (112.0, 22.0) };
     let mut frame =
         time_frame(flight, legend.height(), height, Axis::nice(0.0, high, 1.0, if shared { 5.0 } else { 3.0 }));

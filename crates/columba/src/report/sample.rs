@@ -9,8 +9,8 @@ const STEPS_PER_TICK: usize = 10;
 /// `vehicles` UAVs that weave northwards for `ticks` control periods of 0.5 s past the first `obstacles` of seven circles.
 pub fn flight(vehicles: usize, obstacles: usize, ticks: usize) -> Flight {
     let circles =
-        [(60., 22., 9.), (95., -18., 8.), (130., 4., 6.), (175., 28., 10.), (210., -24., 11.), (260., 8., 7.)];
-    let circles = circles.into_iter().chain([(320., -14., 10.)]).take(obstacles);
+        [(60., 36., 9.), (95., -40., 8.), (130., 24., 6.), (175., 38., 9.), (210., -35., 11.), (260., 26., 7.)];
+    let circles = circles.into_iter().chain([(320., -44., 10.)]).take(obstacles);
     let obstacles: Vec<Obstacle> = circles.map(|(x_m, y_m, radius_m)| Obstacle { x_m, y_m, radius_m }).collect();
     let expected = Setpoint { speed_mps: 10.0, course_rad: 0.0, altitude_m: 50.0 };
 
