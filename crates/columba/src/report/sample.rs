@@ -103,6 +103,7 @@ fn summary(field: &Field, trajectory: &Trajectory) -> Summary {
         success: !trajectory.ticks.is_empty() && hit.is_none(),
         failure: hit.map(|tick| format!("UAV 1 entered an obstacle at {:.1} s", tick.t_s)),
         obstacle_collisions: u32::from(hit.is_some()),
+        separation_losses: u32::from(nearest.is_some_and(|tick| tick.min_separation_m < field.safe_distance_m)),
         min_clearance_m: closest.map(|tick| tick.min_clearance_m),
         min_clearance_at_s: closest.map(|tick| tick.t_s),
         min_clearance_vehicle: closest.map(|_| 1),
