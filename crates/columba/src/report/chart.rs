@@ -68,7 +68,8 @@ impl Axis {
     }
 
     /// The low and the high end.
-    pub fn range(&self) -> (f64, f64) {
+    #[cfg(test)]
+    fn range(&self) -> (f64, f64) {
         (self.low, self.high)
     }
 

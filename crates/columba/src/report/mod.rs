@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "writes reports to look at into the folder that COLUMBA_SAMPLES names"]
+    #[ignore = "writes runs to look at into the folder that COLUMBA_SAMPLES names"]
     fn writes_samples() {
         let folder = std::env::var("COLUMBA_SAMPLES").unwrap();
         let folder = Path::new(&folder);
@@ -100,7 +100,9 @@ mod tests {
             ("none", 5, 7, 0),
             ("first", 2, 1, 1),
         ] {
-            write(&folder.join(name), &sample::flight(vehicles, obstacles, ticks)).unwrap();
+            let (folder, flight) = (folder.join(name), sample::flight(vehicles, obstacles, ticks));
+            write(&folder, &flight).unwrap();
+            crate::record::write(&RunFolder::create(folder).unwrap(), &flight).unwrap();
         }
     }
 }

@@ -9,6 +9,9 @@ use crate::{
     },
 };
 
+/// Points over time, how they are drawn, and what they are called.
+type Line = (Vec<(f64, f64)>, Stroke, &'static str);
+
 /// The smallest separation and clearance over time, against D_s and the collision distance.
 pub fn distances(flight: &Flight) -> String {
     let Flight { field, trajectory, .. } = flight;
@@ -19,7 +22,7 @@ pub fn distances(flight: &Flight) -> String {
         (field.safe_distance_m, "D\u{209b}", Stroke { dashes: "7 4", ..Stroke::solid(GUIDE, 1.4) }),
         (field.collision_distance_m, "collision", Stroke { dashes: "2 3", ..Stroke::solid(ALARM, 1.4) }),
     ];
-    let lines: Vec<(Vec<(f64, f64)>, Stroke, &str)> = [
+    let lines: Vec<Line> = [
         (separation, Stroke::solid(series(0), 1.8), "separation"),
         (clearance, Stroke::solid(series(1), 1.8), "clearance"),
     ]
