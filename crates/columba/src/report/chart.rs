@@ -68,7 +68,8 @@ impl Axis {
     }
 
     /// The low and the high end.
-    pub fn range(&self) -> (f64, f64) {
+    #[cfg(test)]
+    fn range(&self) -> (f64, f64) {
         (self.low, self.high)
     }
 
@@ -174,15 +175,18 @@ impl Frame {
 pub enum Mark {
     /// A piece of a line.
     Line(Stroke),
+    /// A piece of a line with a triangle on it: a UAV and its path.
+    Track(Stroke),
     /// A disc, as an obstacle.
     Disc,
-    /// A triangle, as a UAV.
-    Triangle(Colour),
     /// A band between two lines.
     Band(Colour),
     /// A ring, as where something went wrong.
     Ring(Colour),
 }
+
+/// Outline of a triangle, so that one on top of another is told apart.
+pub const TRIANGLE_EDGE: &str = " stroke=\"#ffffff\" stroke-width=\"0.7\"";
 
 /// Fill and outline of an obstacle.
 pub const DISC: &str = "class=\"disc\" fill=\"#e0e0e0\" stroke=\"#8c8c8c\"";
@@ -250,7 +254,10 @@ fn draw_mark(drawing: &mut Drawing, x: f64, y: f64, mark: Mark) {
     match mark {
         Mark::Line(stroke) => drawing.line(&[(x, y), (x + MARK_PX, y)], stroke),
         Mark::Disc => drawing.raw(&format!("<circle {centre} r=\"7.5\" {DISC}/>")),
-        Mark::Triangle(colour) => drawing.area(&triangle((x + 11.0, y), 0.0, 8.0), colour, ""),
+        Mark::Track(stroke) => {
+            drawing.line(&[(x, y), (x + MARK_PX, y)], stroke);
+            drawing.area(&triangle((x + 13.0, y), 0.0, 7.5), stroke.colour, TRIANGLE_EDGE);
+        }
         Mark::Band(colour) => {
             let outline = [(x, y - 6.0), (x + MARK_PX, y - 6.0), (x + MARK_PX, y + 6.0), (x, y + 6.0)];
             drawing.area(&outline, colour, " fill-opacity=\"0.25\"");

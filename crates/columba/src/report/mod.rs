@@ -1,11 +1,14 @@
 //! The report of a flight: `report.html`, which stands alone, and its figures as SVG and PNG.
 
 mod chart;
+mod data;
 pub mod figures;
+mod html;
 mod png;
 #[cfg(test)]
 mod sample;
 mod svg;
+mod words;
 
 pub use figures::Figure;
 pub use png::{PngError, to_png};
@@ -34,17 +37,23 @@ pub enum ReportError {
         /// What went wrong.
         source: PngError,
     },
+    /// The replay's data could not be encoded.
+    #[error("cannot encode the replay: {0}")]
+    Replay(#[from] serde_json::Error),
 }
 
 /// Writes `report.html` and `figures/*.svg` and `*.png` into the run folder.
 pub fn write(folder: &Path, flight: &Flight) -> Result<(), ReportError> {
     let folder = RunFolder::create(folder)?;
     let figures = figures::all(flight);
+    let page = html::page(flight, &figures)?;
     figures.par_iter().try_for_each(|Figure { name, svg, .. }| {
         let png = to_png(svg, PNG_SCALE).map_err(|source| ReportError::Png { name, source })?;
         folder.write(&format!("figures/{name}.svg"), svg.as_bytes())?;
         Ok::<(), ReportError>(folder.write(&format!("figures/{name}.png"), &png)?)
-    })
+    })?;
+    // Last, so that its links lead somewhere as soon as it is there.
+    Ok(folder.write("report.html", page.as_bytes())?)
 }
 
 #[cfg(test)]
@@ -52,7 +61,33 @@ mod tests {
     use super::*;
 
     #[test]
-    #[ignore = "writes reports to look at into the folder that COLUMBA_SAMPLES names"]
+    fn a_report_is_a_page_and_its_figures_and_the_same_each_time() {
+        let root = tempfile::tempdir().unwrap();
+        let flight = sample::flight(3, 7, 40);
+        let names = ["paths", "speeds", "courses", "altitudes", "distances", "alphas"];
+        let mut files: Vec<String> =
+            names.iter().flat_map(|name| [format!("figures/{name}.svg"), format!("figures/{name}.png")]).collect();
+        files.push("report.html".to_owned());
+        for run in ["one", "other"] {
+            write(&root.path().join(run), &flight).unwrap();
+        }
+        for file in files {
+            let one = std::fs::read(root.path().join("one").join(&file)).unwrap();
+            assert!(one.len() > 1000, "{file}");
+            assert!(one == std::fs::read(root.path().join("other").join(&file)).unwrap(), "{file}");
+        }
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_is_an_error() {
+        let root = tempfile::tempdir().unwrap();
+        let taken = root.path().join("taken");
+        std::fs::write(&taken, b"").unwrap();
+        assert!(matches!(write(&taken, &sample::flight(1, 0, 1)), Err(ReportError::Write(_))));
+    }
+
+    #[test]
+    #[ignore = "writes runs to look at into the folder that COLUMBA_SAMPLES names"]
     fn writes_samples() {
         let folder = std::env::var("COLUMBA_SAMPLES").unwrap();
         let folder = Path::new(&folder);
@@ -65,7 +100,9 @@ mod tests {
             ("none", 5, 7, 0),
             ("first", 2, 1, 1),
         ] {
-            write(&folder.join(name), &sample::flight(vehicles, obstacles, ticks)).unwrap();
+            let (folder, flight) = (folder.join(name), sample::flight(vehicles, obstacles, ticks));
+            write(&folder, &flight).unwrap();
+            crate::record::write(&RunFolder::create(folder).unwrap(), &flight).unwrap();
         }
     }
 }

@@ -9,8 +9,8 @@ const STEPS_PER_TICK: usize = 10;
 /// `vehicles` UAVs that weave northwards for `ticks` control periods of 0.5 s past the first `obstacles` of seven circles.
 pub fn flight(vehicles: usize, obstacles: usize, ticks: usize) -> Flight {
     let circles =
-        [(60., 22., 9.), (95., -18., 8.), (130., 4., 6.), (175., 28., 10.), (210., -24., 11.), (260., 8., 7.)];
-    let circles = circles.into_iter().chain([(320., -14., 10.)]).take(obstacles);
+        [(60., 36., 9.), (95., -40., 8.), (130., 24., 6.), (175., 38., 9.), (210., -35., 11.), (260., 26., 7.)];
+    let circles = circles.into_iter().chain([(320., -44., 10.)]).take(obstacles);
     let obstacles: Vec<Obstacle> = circles.map(|(x_m, y_m, radius_m)| Obstacle { x_m, y_m, radius_m }).collect();
     let expected = Setpoint { speed_mps: 10.0, course_rad: 0.0, altitude_m: 50.0 };
 
@@ -103,6 +103,7 @@ fn summary(field: &Field, trajectory: &Trajectory) -> Summary {
         success: !trajectory.ticks.is_empty() && hit.is_none(),
         failure: hit.map(|tick| format!("UAV 1 entered an obstacle at {:.1} s", tick.t_s)),
         obstacle_collisions: u32::from(hit.is_some()),
+        separation_losses: u32::from(nearest.is_some_and(|tick| tick.min_separation_m < field.safe_distance_m)),
         min_clearance_m: closest.map(|tick| tick.min_clearance_m),
         min_clearance_at_s: closest.map(|tick| tick.t_s),
         min_clearance_vehicle: closest.map(|_| 1),
