@@ -69,14 +69,10 @@ impl<'a> Costs<'a> {
 
     /// By violation, then objective after objective: who dominates comes before whom it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
-        compare(self.violation[a], self.violation[b])
-            .then_with(|| lexicographic((0..self.count).map(|k| (self.cost(a, k), self.cost(b, k)))))
+        let objectives = (0..self.count).map(|k| compare(self.cost(a, k), self.cost(b, k)));
+        let violation = compare(self.violation[a], self.violation[b]);
+        std::iter::once(violation).chain(objectives).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
     }
-}
-
-/// The order of the first pair whose two differ.
-pub(crate) fn lexicographic(pairs: impl Iterator<Item = (f64, f64)>) -> Ordering {
-    pairs.map(|(a, b)| compare(a, b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// A total order of floats in which 0 and -0 are equal.
@@ -111,10 +107,11 @@ pub struct NonDominatedSort {
     ends: Vec<u32>,
 }
 
-/// A candidate with the start of what it is ordered by, which decides most comparisons without a look at the costs.
+/// A candidate with a key that decides most comparisons without a look at the costs: whether it violates at all, then how
+/// much or else its first objective, but for the last bit. Keys are never in another order than candidates, only equal.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    key: u128,
+    key: u64,
     candidate: u32,
 }
 
@@ -139,15 +136,18 @@ impl NonDominatedSort {
     }
 
     fn order_lexicographically(&mut self, costs: &Costs<'_>) {
-        let objective = |k| if k < costs.objectives() { costs.objective(k) } else { costs.violation };
-        let same_violation = costs.violation.windows(2).all(|pair| pair[0] == pair[1]);
-        let (first, second) =
-            if same_violation { (objective(0), objective(1)) } else { (costs.violation, objective(0)) };
+        let first_objective = if costs.objectives() > 0 { costs.objective(0) } else { costs.violation };
         self.order.clear();
-        self.order.extend(first.iter().zip(second).zip(0..).map(|((&first, &second), candidate)| Entry {
-            key: u128::from(ordered_bits(first)) << 64 | u128::from(ordered_bits(second)),
-            candidate,
-        }));
+        self.order.extend(first_objective.iter().zip(costs.violation).zip(0..).map(
+            |((&first_objective, &violation), candidate)| {
+                let key = if violation > 0.0 {
+                    1 << 63 | ordered_bits(violation) >> 1
+                } else {
+                    ordered_bits(first_objective) >> 1
+                };
+                Entry { key, candidate }
+            },
+        ));
         self.order.sort_unstable_by(|a, b| {
             a.key.cmp(&b.key).then_with(|| {
                 let rest = costs.lexicographic(a.candidate as usize, b.candidate as usize);

@@ -1,5 +1,7 @@
 //! MSLPIO on problems whose fronts are known, and what it does with problems that make no sense.
 
+#![expect(clippy::expect_used, reason = "the helpers of tests are tests")]
+
 use optimizer::selection::nearest_to_ideal;
 use optimizer::{
     Bounds, Candidates, Evaluations, Front, Mslpio, MslpioSettings, OptimizeError, Optimizer, Problem, SettingsError,
