@@ -81,7 +81,7 @@ pub(crate) fn compare(a: f64, b: f64) -> Ordering {
 }
 
 /// Bits that are ordered as the floats are, with 0 and -0 equal.
-fn ordered_bits(value: f64) -> u64 {
+pub(crate) fn ordered_bits(value: f64) -> u64 {
     let bits = (value + 0.0).to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
@@ -168,11 +168,14 @@ impl NonDominatedSort {
         for &entry in &self.order {
             let candidate = entry.candidate as usize;
             let cost = costs.cost(candidate, costs.objectives().saturating_sub(1));
+            let equal = before.is_some_and(|before| {
+                before.key == entry.key && costs.lexicographic(before.candidate as usize, candidate).is_eq()
+            });
             if before.is_some_and(|before| costs.violation[before.candidate as usize] < costs.violation[candidate]) {
                 least_rank = self.last.len();
             }
-            let rank = match before.map(|before| before.candidate as usize) {
-                Some(before) if costs.lexicographic(before, candidate).is_eq() => self.ranks[before] as usize,
+            let rank = match before {
+                Some(before) if equal => self.ranks[before.candidate as usize] as usize,
                 _ if costs.objectives() <= 2 => {
                     least_rank + self.last_cost[least_rank..].partition_point(|&last_cost| last_cost <= cost)
                 }
