@@ -12,7 +12,7 @@ pub struct Costs<'a> {
 
 impl<'a> Costs<'a> {
     /// As many candidates as `violation` is long; objective `k` of candidate `i` is `objectives[k * len + i]`.
-    /// No value may be NaN: it would have no place in any order (the sort stays safe, but its ranks mean nothing).
+    /// No value may be NaN and no violation negative: the sort would stay safe, but its ranks mean nothing.
     pub fn new(objectives: &'a [f64], violation: &'a [f64]) -> Self {
         Self { objectives, violation, count: objectives.len().checked_div(violation.len()).unwrap_or(0) }
     }
@@ -50,21 +50,18 @@ impl<'a> Costs<'a> {
     /// Whether `a` dominates `b`: it violates less, or it violates as much and is at least as good in every objective and
     /// better in one (Eq. 16). A strict partial order.
     pub fn dominates(&self, a: usize, b: usize) -> bool {
-        match compare(self.violation[a], self.violation[b]) {
-            Ordering::Less => true,
-            Ordering::Greater => false,
-            Ordering::Equal => {
-                let mut better = false;
-                for k in 0..self.objectives() {
-                    match compare(self.cost(a, k), self.cost(b, k)) {
-                        Ordering::Less => better = true,
-                        Ordering::Greater => return false,
-                        Ordering::Equal => {}
-                    }
-                }
-                better
-            }
+        if self.violation[a] != self.violation[b] {
+            return self.violation[a] < self.violation[b];
         }
+        let mut better = false;
+        for k in 0..self.count {
+            let (cost_a, cost_b) = (self.cost(a, k), self.cost(b, k));
+            if cost_a > cost_b {
+                return false;
+            }
+            better |= cost_a < cost_b;
+        }
+        better
     }
 
     /// By violation, then objective after objective: who dominates comes before whom it dominates.

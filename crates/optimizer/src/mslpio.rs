@@ -5,7 +5,7 @@ use rand::{Rng, RngExt};
 use crate::archive::Archive;
 use crate::crowding::Crowding;
 use crate::dominance::NonDominatedSort;
-use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer};
+use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError};
 use crate::population::{Population, remove_rows, uniform};
 use crate::problem::{Bounds, Problem, clamp};
 use crate::stream::Stream;
@@ -22,7 +22,7 @@ pub struct MslpioSettings {
     pub social_coefficient: f64,
     /// The map and compass factor R, from 0 to 1: how fast velocities decay. The paper: 0.3.
     pub map_and_compass_factor: f64,
-    /// N_max. The paper: 20.
+    /// N_max, at most 1000000. The paper: 20.
     pub iterations: usize,
     /// N_removed: pigeons that leave before each iteration, the worst by rank and crowding. At least one pigeon must be left
     /// for the last iteration. The paper: 2.
@@ -51,23 +51,10 @@ impl Default for MslpioSettings {
     }
 }
 
-/// A setting out of its range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{setting} is {value}, which must be {range}")]
-pub struct SettingsError {
-    /// The field's name.
-    pub setting: &'static str,
-    /// What it was set to.
-    pub value: f64,
-    /// What it may be.
-    pub range: &'static str,
-}
-
 impl MslpioSettings {
     /// Whether every setting is in its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let population_left =
-            self.iterations.checked_mul(self.removed_per_iteration).is_some_and(|removed| removed < self.population());
+        let removed = self.iterations.saturating_mul(self.removed_per_iteration);
         let checks = [
             (
                 "base_population",
@@ -93,11 +80,12 @@ impl MslpioSettings {
                 "from 0 to 1",
                 (0.0..=1.0).contains(&self.map_and_compass_factor),
             ),
+            ("iterations", self.iterations as f64, "at most 1000000", self.iterations <= 1_000_000),
             (
                 "removed_per_iteration",
                 self.removed_per_iteration as f64,
                 "such that a pigeon is left for the last iteration",
-                population_left,
+                removed < self.population(),
             ),
             (
                 "velocity_limit",
@@ -142,7 +130,7 @@ impl MslpioSettings {
 
 /// The optimiser. Where Algorithm 1 leaves a choice: X_model is drawn for each pigeon uniformly from the archive A, X_center
 /// is the mean of the current generation's Pareto front, `rand` is drawn for each pigeon, term and dimension uniformly from
-/// [0, 1), the N_removed worst by (rank, crowding, index) leave before each update, and the front returned is A.
+/// [0, 1), the N_removed worst by (rank, crowding, index, the higher being worse) leave before each update, and the front returned is A.
 #[derive(Clone, Debug)]
 pub struct Mslpio {
     settings: MslpioSettings,
