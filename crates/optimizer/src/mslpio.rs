@@ -302,3 +302,79 @@ impl Optimizer for Mslpio {
 fn pick(count: usize, bits: u32) -> usize {
     ((u64::from(bits) * count as u64) >> 32) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Candidates, Evaluations};
+    use crate::stream::stream;
+
+    struct Plane([Bounds; 2]);
+
+    impl Problem for Plane {
+        fn bounds(&self) -> &[Bounds] {
+            &self.0
+        }
+
+        fn objectives(&self) -> usize {
+            2
+        }
+
+        fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
+            evaluations.objective(0).copy_from_slice(candidates.coordinate(0));
+            evaluations.objective(1).copy_from_slice(candidates.coordinate(1));
+        }
+    }
+
+    #[test]
+    fn an_update_is_eq_18_pigeon_by_pigeon() {
+        let mut problem = Plane([Bounds::new(-1.0, 1.0), Bounds::new(0.0, 10.0)]);
+        let settings = MslpioSettings { social_coefficient: 8.0, ..MslpioSettings::default() };
+        let mut mslpio = Mslpio::new(settings).expect("in range");
+        mslpio.initialise(&problem, &mut stream(1, 2, 3)).expect("solvable");
+        mslpio.judge(&mut problem);
+        mslpio.remove_worst();
+        let pigeons = mslpio.swarm.len();
+        assert_eq!(pigeons, 49);
+
+        let before = mslpio.clone();
+        let mut draws = vec![0_u32; pigeons * 5];
+        stream(7, 8, 9).fill(&mut draws[..]);
+        mslpio.fly(3, problem.bounds(), &mut stream(7, 8, 9));
+
+        let rand = |draw: u32| f64::from(draw) / 4_294_967_296.0;
+        for i in 0..pigeons {
+            let model = before.archive.member((rand(draws[i]) * before.archive.len() as f64) as usize);
+            for (d, bounds) in problem.bounds().iter().enumerate() {
+                let (x, v) = (before.swarm.coordinate(d)[i], before.velocities[d * pigeons + i]);
+                let [r1, r2] = [0, 1].map(|term| rand(draws[pigeons * (1 + 2 * d + term) + i]));
+                let (c1, c2) = (1.0 - libm::log(5.0 / 50.0), 8.0 * 5.0 / 50.0);
+                let limit = 0.5 * (bounds.upper - bounds.lower);
+                let pull = r1 * c1 * (model[d] - x) + r2 * c2 * (before.x_center[d] - x);
+                let v = (v * libm::exp(-0.3 * 3.0) + pull).clamp(-limit, limit);
+                let x = (x + v).clamp(bounds.lower, bounds.upper);
+                assert!((mslpio.velocities[d * pigeons + i] - v).abs() < 1e-12);
+                assert!((mslpio.swarm.coordinate(d)[i] - x).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn the_centre_is_the_mean_of_the_pareto_front_and_the_worst_leave() {
+        let mut problem = Plane([Bounds::new(-1.0, 1.0), Bounds::new(0.0, 10.0)]);
+        let mut mslpio = Mslpio::new(MslpioSettings::default()).expect("in range");
+        mslpio.initialise(&problem, &mut stream(4, 5, 6)).expect("solvable");
+        mslpio.judge(&mut problem);
+        let front: Vec<usize> = (0..51).filter(|&i| mslpio.sort.ranks()[i] == 0).collect();
+        for d in 0..2 {
+            let mean = front.iter().map(|&i| mslpio.swarm.coordinate(d)[i]).sum::<f64>() / front.len() as f64;
+            assert!((mslpio.x_center[d] - mean).abs() < 1e-12);
+        }
+        let ranks = mslpio.sort.ranks().to_vec();
+        let mut sorted = ranks.clone();
+        sorted.sort_unstable();
+        mslpio.remove_worst();
+        assert_eq!((mslpio.swarm.len(), mslpio.leaving.len()), (49, 2));
+        assert!(mslpio.leaving.iter().all(|&pigeon| ranks[pigeon as usize] >= sorted[49]));
+    }
+}
