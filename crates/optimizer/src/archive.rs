@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::crowding::Crowding;
-use crate::dominance::{Costs, compare, lexicographic};
+use crate::dominance::{Costs, compare};
 use crate::optimizer::FrontBuffer;
 use crate::problem::Candidates;
 
@@ -72,7 +72,7 @@ impl Archive {
         for &candidate in front {
             let candidate = candidate as usize;
             while let Some(&row) = self.order.get(members)
-                && lexicographic((0..self.objectives).map(|k| (self.cost(row, k), costs.cost(candidate, k)))).is_le()
+                && self.comes_first(row, costs, candidate)
             {
                 members += 1;
                 self.merge_member(row);
@@ -90,6 +90,12 @@ impl Archive {
         std::mem::swap(&mut self.order, &mut self.merged);
         self.merged.clear();
         self.taken.clear();
+    }
+
+    /// Whether a member is not after a candidate in lexicographic order.
+    fn comes_first(&self, row: u32, costs: &Costs<'_>, candidate: usize) -> bool {
+        let mut pairs = (0..self.objectives).map(|k| (self.cost(row, k), costs.cost(candidate, k)));
+        pairs.find(|(member, candidate)| member != candidate).is_none_or(|(member, candidate)| member < candidate)
     }
 
     /// Members do not dominate each other: only who was taken before them now may cover them.

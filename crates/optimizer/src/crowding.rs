@@ -1,11 +1,12 @@
 //! The crowding distance (Eq. 17): how far apart a front member's neighbours are.
 
-use crate::dominance::compare;
+use crate::dominance::ordered_bits;
 
 /// Computes crowding distances. Keeps its buffers.
 #[derive(Clone, Debug, Default)]
 pub struct Crowding {
-    order: Vec<u32>,
+    /// Members by their costs in one objective.
+    order: Vec<(u64, u32)>,
     distances: Vec<f64>,
 }
 
@@ -27,16 +28,17 @@ impl Crowding {
         self.distances.clear();
         self.distances.resize(members, 0.0);
         self.order.clear();
-        self.order.extend(0..members as u32);
+        self.order.extend((0..members as u32).map(|member| (0, member)));
         for k in 0..objectives {
             let cost = |member: u32| cost(member as usize, k);
-            self.order.sort_unstable_by(|&a, &b| compare(cost(a), cost(b)).then(a.cmp(&b)));
-            let (Some(&first), Some(&last)) = (self.order.first(), self.order.last()) else { break };
+            self.order.iter_mut().for_each(|(bits, member)| *bits = ordered_bits(cost(*member)));
+            self.order.sort_unstable();
+            let (Some(&(_, first)), Some(&(_, last))) = (self.order.first(), self.order.last()) else { break };
             let range = half_gap(cost(last), cost(first));
             if range > 0.0 && range.is_finite() {
                 for neighbours in self.order.windows(3) {
-                    self.distances[neighbours[1] as usize] +=
-                        half_gap(cost(neighbours[2]), cost(neighbours[0])) / range;
+                    self.distances[neighbours[1].1 as usize] +=
+                        half_gap(cost(neighbours[2].1), cost(neighbours[0].1)) / range;
                 }
             }
             self.distances[first as usize] = f64::INFINITY;

@@ -12,7 +12,7 @@ pub struct Costs<'a> {
 
 impl<'a> Costs<'a> {
     /// As many candidates as `violation` is long; objective `k` of candidate `i` is `objectives[k * len + i]`.
-    /// No value may be NaN: it would have no place in any order (the sort stays safe, but its ranks mean nothing).
+    /// No value may be NaN and no violation negative: the sort would stay safe, but its ranks mean nothing.
     pub fn new(objectives: &'a [f64], violation: &'a [f64]) -> Self {
         Self { objectives, violation, count: objectives.len().checked_div(violation.len()).unwrap_or(0) }
     }
@@ -50,33 +50,26 @@ impl<'a> Costs<'a> {
     /// Whether `a` dominates `b`: it violates less, or it violates as much and is at least as good in every objective and
     /// better in one (Eq. 16). A strict partial order.
     pub fn dominates(&self, a: usize, b: usize) -> bool {
-        match compare(self.violation[a], self.violation[b]) {
-            Ordering::Less => true,
-            Ordering::Greater => false,
-            Ordering::Equal => {
-                let mut better = false;
-                for k in 0..self.objectives() {
-                    match compare(self.cost(a, k), self.cost(b, k)) {
-                        Ordering::Less => better = true,
-                        Ordering::Greater => return false,
-                        Ordering::Equal => {}
-                    }
-                }
-                better
-            }
+        if self.violation[a] != self.violation[b] {
+            return self.violation[a] < self.violation[b];
         }
+        let mut better = false;
+        for k in 0..self.count {
+            let (cost_a, cost_b) = (self.cost(a, k), self.cost(b, k));
+            if cost_a > cost_b {
+                return false;
+            }
+            better |= cost_a < cost_b;
+        }
+        better
     }
 
     /// By violation, then objective after objective: who dominates comes before whom it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
-        compare(self.violation[a], self.violation[b])
-            .then_with(|| lexicographic((0..self.count).map(|k| (self.cost(a, k), self.cost(b, k)))))
+        let objectives = (0..self.count).map(|k| compare(self.cost(a, k), self.cost(b, k)));
+        let violation = compare(self.violation[a], self.violation[b]);
+        std::iter::once(violation).chain(objectives).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
     }
-}
-
-/// The order of the first pair whose two differ.
-pub(crate) fn lexicographic(pairs: impl Iterator<Item = (f64, f64)>) -> Ordering {
-    pairs.map(|(a, b)| compare(a, b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// A total order of floats in which 0 and -0 are equal.
@@ -85,7 +78,7 @@ pub(crate) fn compare(a: f64, b: f64) -> Ordering {
 }
 
 /// Bits that are ordered as the floats are, with 0 and -0 equal.
-fn ordered_bits(value: f64) -> u64 {
+pub(crate) fn ordered_bits(value: f64) -> u64 {
     let bits = (value + 0.0).to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
@@ -111,10 +104,11 @@ pub struct NonDominatedSort {
     ends: Vec<u32>,
 }
 
-/// A candidate with the start of what it is ordered by, which decides most comparisons without a look at the costs.
+/// A candidate with a key that decides most comparisons without a look at the costs: whether it violates at all, then how
+/// much or else its first objective, but for the last bit. Keys are never in another order than candidates, only equal.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    key: u128,
+    key: u64,
     candidate: u32,
 }
 
@@ -139,15 +133,18 @@ impl NonDominatedSort {
     }
 
     fn order_lexicographically(&mut self, costs: &Costs<'_>) {
-        let objective = |k| if k < costs.objectives() { costs.objective(k) } else { costs.violation };
-        let same_violation = costs.violation.windows(2).all(|pair| pair[0] == pair[1]);
-        let (first, second) =
-            if same_violation { (objective(0), objective(1)) } else { (costs.violation, objective(0)) };
+        let first_objective = if costs.objectives() > 0 { costs.objective(0) } else { costs.violation };
         self.order.clear();
-        self.order.extend(first.iter().zip(second).zip(0..).map(|((&first, &second), candidate)| Entry {
-            key: u128::from(ordered_bits(first)) << 64 | u128::from(ordered_bits(second)),
-            candidate,
-        }));
+        self.order.extend(first_objective.iter().zip(costs.violation).zip(0..).map(
+            |((&first_objective, &violation), candidate)| {
+                let key = if violation > 0.0 {
+                    1 << 63 | ordered_bits(violation) >> 1
+                } else {
+                    ordered_bits(first_objective) >> 1
+                };
+                Entry { key, candidate }
+            },
+        ));
         self.order.sort_unstable_by(|a, b| {
             a.key.cmp(&b.key).then_with(|| {
                 let rest = costs.lexicographic(a.candidate as usize, b.candidate as usize);
@@ -168,11 +165,14 @@ impl NonDominatedSort {
         for &entry in &self.order {
             let candidate = entry.candidate as usize;
             let cost = costs.cost(candidate, costs.objectives().saturating_sub(1));
+            let equal = before.is_some_and(|before| {
+                before.key == entry.key && costs.lexicographic(before.candidate as usize, candidate).is_eq()
+            });
             if before.is_some_and(|before| costs.violation[before.candidate as usize] < costs.violation[candidate]) {
                 least_rank = self.last.len();
             }
-            let rank = match before.map(|before| before.candidate as usize) {
-                Some(before) if costs.lexicographic(before, candidate).is_eq() => self.ranks[before] as usize,
+            let rank = match before {
+                Some(before) if equal => self.ranks[before.candidate as usize] as usize,
                 _ if costs.objectives() <= 2 => {
                     least_rank + self.last_cost[least_rank..].partition_point(|&last_cost| last_cost <= cost)
                 }

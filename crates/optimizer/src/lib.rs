@@ -4,6 +4,38 @@
 //! minimises it and returns the [`Front`] of candidates that none other dominates; [`selection`] picks one of them.
 //! Everything is deterministic: the same problem, settings and [`Stream`] give the same bits on every platform.
 //! After the first solve of a problem's size, nothing is allocated.
+//!
+//! ```
+//! use optimizer::selection::nearest_to_ideal;
+//! use optimizer::{Bounds, Candidates, Evaluations, Mslpio, MslpioSettings, Optimizer, Problem, stream};
+//!
+//! /// As near to 1 and to 2 as can be, but not below 1.2.
+//! struct BetweenOneAndTwo([Bounds; 1]);
+//!
+//! impl Problem for BetweenOneAndTwo {
+//!     fn bounds(&self) -> &[Bounds] {
+//!         &self.0
+//!     }
+//!     fn objectives(&self) -> usize {
+//!         2
+//!     }
+//!     fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
+//!         let ([to_one, to_two], violation) = evaluations.objectives_and_violation();
+//!         for (i, x) in candidates.coordinate(0).iter().enumerate() {
+//!             to_one[i] = (x - 1.0) * (x - 1.0);
+//!             to_two[i] = (x - 2.0) * (x - 2.0);
+//!             violation[i] = (1.2 - x).max(0.0);
+//!         }
+//!     }
+//! }
+//!
+//! let mut mslpio = Mslpio::new(MslpioSettings::default())?;
+//! let mut problem = BetweenOneAndTwo([Bounds::new(0.0, 3.0)]);
+//! let front = mslpio.minimise(&mut problem, &mut stream(1, 0, 0))?;
+//! let chosen = front.position(nearest_to_ideal(&front), 0);
+//! assert!((1.5..1.7).contains(&chosen));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod archive;
 pub mod crowding;
@@ -15,7 +47,7 @@ mod problem;
 pub mod selection;
 mod stream;
 
-pub use mslpio::{Mslpio, MslpioSettings, SettingsError};
-pub use optimizer::{Front, FrontBuffer, OptimizeError, Optimizer};
+pub use mslpio::{Mslpio, MslpioSettings};
+pub use optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError};
 pub use problem::{Bounds, Candidates, Evaluations, Problem};
 pub use stream::{Stream, stream};

@@ -58,6 +58,18 @@ pub enum OptimizeError {
     NoFiniteCandidate,
 }
 
+/// A setting out of its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{setting} is {value}, which must be {range}")]
+pub struct SettingsError {
+    /// The field's name.
+    pub setting: &'static str,
+    /// What it was set to.
+    pub value: f64,
+    /// What it may be.
+    pub range: &'static str,
+}
+
 /// Candidates of which none dominates another, in lexicographic order of their costs. They violate the constraints
 /// equally: by 0 if any feasible candidate was found. Indices out of range panic, as an index does.
 #[derive(Clone, Copy, Debug)]

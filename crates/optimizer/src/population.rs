@@ -137,3 +137,29 @@ fn check(bounds: &[Bounds], objectives: usize, seeds: &[f64]) -> Result<(), Opti
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_bits_become_numbers_from_0_up_to_but_not_1() {
+        assert_eq!(uniform(0), 0.0);
+        assert_eq!(uniform(1 << 31), 0.5);
+        assert!(uniform(u32::MAX) < 1.0);
+    }
+
+    #[test]
+    fn rows_leave_every_column() {
+        let table = [0.0, 1.0, 2.0, 3.0, 4.0, 10.0, 11.0, 12.0, 13.0, 14.0];
+        let without = |dropped: &[u32]| {
+            let mut table = table.to_vec();
+            remove_rows(&mut table, 5, dropped);
+            table
+        };
+        assert_eq!(without(&[]), table);
+        assert_eq!(without(&[1]), [0.0, 4.0, 2.0, 3.0, 10.0, 14.0, 12.0, 13.0]);
+        assert_eq!(without(&[4, 0]), [3.0, 1.0, 2.0, 13.0, 11.0, 12.0]);
+        assert_eq!(without(&[4, 3, 2, 1, 0]), []);
+    }
+}

@@ -1,5 +1,7 @@
 //! MSLPIO on problems whose fronts are known, and what it does with problems that make no sense.
 
+#![expect(clippy::expect_used, reason = "the helpers of tests are tests")]
+
 use optimizer::selection::nearest_to_ideal;
 use optimizer::{
     Bounds, Candidates, Evaluations, Front, Mslpio, MslpioSettings, OptimizeError, Optimizer, Problem, SettingsError,
@@ -261,13 +263,14 @@ fn seeds_that_make_no_sense_are_refused_once() {
 #[test]
 fn settings_out_of_range_are_refused_by_name() {
     type Change = fn(&mut MslpioSettings);
-    let changes: [(&str, Change); 9] = [
+    let changes: [(&str, Change); 10] = [
         ("base_population", |s| s.base_population = 0),
         ("base_population", |s| s.base_population = usize::MAX),
         ("dimension_setting", |s| s.dimension_setting = 0),
         ("dimension_setting", |s| s.dimension_setting = 51),
         ("social_coefficient", |s| s.social_coefficient = f64::NAN),
         ("map_and_compass_factor", |s| s.map_and_compass_factor = 1.5),
+        ("iterations", |s| (s.iterations, s.removed_per_iteration) = (usize::MAX, 0)),
         ("removed_per_iteration", |s| s.removed_per_iteration = 3),
         ("velocity_limit", |s| s.velocity_limit = 0.0),
         ("archive_capacity", |s| s.archive_capacity = 0),
