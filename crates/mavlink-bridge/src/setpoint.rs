@@ -177,3 +177,150 @@ fn flyable_altitude_m(altitude_m: f32) -> f32 {
         altitude_m
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const TARGET: Target = Target { system_id: 7, component_id: 1 };
+
+    fn setpoint() -> impl Strategy<Value = Setpoint> {
+        (-1.0..50.0f64, -10.0..10.0f64, -500.0..5e3f64).prop_map(|(speed_mps, course_rad, altitude_m)| Setpoint {
+            speed_mps,
+            course_rad,
+            altitude_m,
+        })
+    }
+
+    fn bits(setpoint: &Setpoint) -> [u64; 3] {
+        [setpoint.speed_mps, setpoint.course_rad, setpoint.altitude_m].map(f64::to_bits)
+    }
+
+    fn data(setpoint: &Setpoint) -> SET_POSITION_TARGET_LOCAL_NED_DATA {
+        let Message::SET_POSITION_TARGET_LOCAL_NED(data) =
+            local_ned_setpoint(Duration::from_millis(500), TARGET, setpoint)
+        else {
+            panic!("another message");
+        };
+        data
+    }
+
+    fn commands(setpoint: &Setpoint, altitude_m: f64, lateral_mps2: f64) -> [COMMAND_INT_DATA; 3] {
+        guided_commands(TARGET, setpoint, altitude_m, lateral_mps2).unwrap().map(|message| match message {
+            Message::COMMAND_INT(data) => data,
+            other => panic!("{other:?}"),
+        })
+    }
+
+    #[test]
+    fn the_setpoint_of_an_offboard_multicopter() {
+        let data = data(&Setpoint { speed_mps: 10.0, course_rad: std::f64::consts::FRAC_PI_2, altitude_m: 50.0 });
+        assert_eq!((data.time_boot_ms, data.target_system, data.target_component), (500, 7, 1));
+        assert_eq!((data.vx, data.vy, data.z), (0.0, 10.0, -50.0));
+        assert_eq!(data.type_mask.bits(), 0x0DE3);
+        assert_eq!(data.coordinate_frame, MavFrame::MAV_FRAME_LOCAL_NED);
+    }
+
+    #[test]
+    fn masks_are_followed_or_refused_with_the_reason() {
+        let mut data = data(&Setpoint { speed_mps: 5.0, course_rad: 0.0, altitude_m: 50.0 });
+        let mut read = |mask: u16| {
+            data.type_mask = PositionTargetTypemask::from_bits_retain(mask);
+            setpoint_from_local_ned(&data)
+        };
+        let (velocity, altitude) = (Some((5.0, 0.0)), Some(50.0));
+        assert_eq!(read(0x0DE3), Ok(PartialSetpoint { velocity, altitude }));
+        assert_eq!(read(0x0DE7), Ok(PartialSetpoint { velocity, altitude: None }));
+        assert_eq!(read(0x0DFB), Ok(PartialSetpoint { velocity: None, altitude }));
+        // vz, position, acceleration, yaw, yaw rate, one of vx and vy, nothing.
+        for mask in [0x0DC7, 0x0DE0, 0x0C23, 0x09E3, 0x05E3, 0x0DEB, 0x0DF3, 0x0DFF, 0x0000] {
+            assert_eq!(read(mask), Err(SetpointRefusal::Mask(mask)), "{mask:#06x}");
+        }
+    }
+
+    #[test]
+    fn other_frames_are_refused() {
+        let mut data = data(&Setpoint::default());
+        data.coordinate_frame = MavFrame::MAV_FRAME_BODY_FRD;
+        let refused = Err(SetpointRefusal::Frame(MavFrame::MAV_FRAME_BODY_FRD));
+        assert_eq!(setpoint_from_local_ned(&data), refused);
+    }
+
+    #[test]
+    fn only_fields_that_are_asked_for_must_be_finite() {
+        for (speed_mps, course_rad, altitude_m) in [(f64::NAN, 0.0, 0.0), (5.0, f64::NAN, 0.0), (5.0, 0.0, 1e300)] {
+            let data = data(&Setpoint { speed_mps, course_rad, altitude_m });
+            assert_eq!(setpoint_from_local_ned(&data), Err(SetpointRefusal::NotFinite));
+        }
+        let mut data = data(&Setpoint { speed_mps: 5.0, course_rad: 0.0, altitude_m: 50.0 });
+        (data.x, data.vz, data.yaw) = (f32::NAN, f32::INFINITY, f32::NAN);
+        assert!(setpoint_from_local_ned(&data).is_ok());
+    }
+
+    #[test]
+    fn the_three_commands_of_arduplane() {
+        let setpoint = Setpoint { speed_mps: 12.5, course_rad: -std::f64::consts::FRAC_PI_2, altitude_m: 999.0 };
+        let [speed, altitude, course] = commands(&setpoint, 60.0, 50.0);
+        assert_eq!((speed.command as u16, speed.param1, speed.param2, speed.param3), (43000, 0.0, 12.5, 0.0));
+        assert_eq!((altitude.command as u16, altitude.z, altitude.param3), (43001, 60.0, 0.0));
+        assert_eq!(altitude.frame as u8, 3);
+        assert_eq!((course.command as u16, course.param1, course.param2, course.param3), (43002, 0.0, 270.0, 50.0));
+        for command in [speed, altitude, course] {
+            assert_eq!((command.target_system, command.target_component), (7, 1));
+        }
+    }
+
+    #[test]
+    fn what_kills_arduplane_is_not_sent() {
+        let good = Setpoint { speed_mps: 12.0, course_rad: 0.0, altitude_m: 50.0 };
+        for altitude_m in [0.0, -0.0, 0.004, -0.009, -1.0, -1.000_000_1] {
+            let [_, altitude, _] = commands(&good, altitude_m, 5.0);
+            assert!(altitude.z.abs() >= 0.01 && (altitude.z + 1.0).abs() >= 0.01, "{altitude_m}");
+            assert!((f64::from(altitude.z) - altitude_m).abs() < 0.03);
+        }
+        assert_eq!(commands(&good, 50.0, 0.0)[2].param3, 0.05);
+        // Less than half an f32 step below a whole turn.
+        assert_eq!(commands(&Setpoint { course_rad: -1e-12, ..good }, 50.0, 5.0)[2].param2, 0.0);
+        for (speed_mps, course_rad, altitude_m, lateral) in [
+            (f64::NAN, 0.0, 50.0, 5.0),
+            (12.0, f64::INFINITY, 50.0, 5.0),
+            (12.0, 0.0, f64::NAN, 5.0),
+            (12.0, 0.0, 1e39, 5.0),
+            (12.0, 0.0, 50.0, f64::NAN),
+        ] {
+            let refused = guided_commands(TARGET, &Setpoint { speed_mps, course_rad, ..good }, altitude_m, lateral);
+            assert_eq!(refused, Err(SetpointRefusal::NotFinite));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_vehicle_reads_what_wire_rounding_gives(setpoint in setpoint(), current in setpoint()) {
+            let read = setpoint_from_local_ned(&data(&setpoint)).unwrap().over(&current);
+            prop_assert_eq!(bits(&read), bits(&wire_round_setpoint(&setpoint)));
+        }
+
+        #[test]
+        fn wire_rounding_twice_is_once(setpoint in setpoint()) {
+            let once = wire_round_setpoint(&setpoint);
+            prop_assert_eq!(bits(&wire_round_setpoint(&once)), bits(&once));
+        }
+
+        #[test]
+        fn slow_setpoints_keep_their_course(speed in -1.0..0.01f64, course in -3.1..3.1f64) {
+            let setpoint = Setpoint { speed_mps: speed, course_rad: course, altitude_m: 50.0 };
+            let rounded = wire_round_setpoint(&setpoint);
+            prop_assert!((rounded.course_rad - course).abs() < 3e-3);
+            prop_assert!((rounded.speed_mps - speed.max(0.0)).abs() < 1.1 * SPEED_MIN_MPS);
+        }
+
+        #[test]
+        fn the_commanded_course_is_a_compass_course(course in -1e4..1e4f64) {
+            let setpoint = Setpoint { speed_mps: 12.0, course_rad: course, altitude_m: 50.0 };
+            let degrees = f64::from(commands(&setpoint, 50.0, 5.0)[2].param2);
+            prop_assert!((0.0..360.0).contains(&degrees));
+            prop_assert!(flight_model::wrap_pi(degrees.to_radians() - course).abs() < 1e-6);
+        }
+    }
+}

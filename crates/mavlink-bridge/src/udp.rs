@@ -127,6 +127,14 @@ impl UdpLink {
         } else {
             self.outbound.offer(self.started.elapsed(), datagram, address);
             self.send_due();
+            while self.unsent.is_some() {
+                if let Err(error) = self.socket.writable().await {
+                    tracing::debug!(%error, "socket error");
+                    self.counters.send_errors += 1;
+                    return;
+                }
+                self.send_due();
+            }
         }
     }
 
@@ -176,6 +184,7 @@ impl UdpLink {
         }
     }
 
+    /// Sends what is due until the socket's send buffer is full: then one datagram is left in `unsent`.
     fn send_due(&mut self) {
         while let Some((datagram, address)) = self.unsent.take().or_else(|| self.outbound.poll(self.started.elapsed()))
         {
