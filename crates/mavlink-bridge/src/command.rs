@@ -41,3 +41,97 @@ pub fn raw_command(frame: &Frame<'_>) -> Option<RawCommand> {
     let Target { system_id, component_id } = frame.target_at(30);
     Some(RawCommand { target_system: system_id, target_component: component_id, command, kind })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dialect::{MavCmd, MavFrame, MavResult, Message};
+    use crate::telemetry::ground_heartbeat;
+    use crate::{Counters, Encoder, FrameError, Version, frames};
+    use proptest::prelude::*;
+
+    fn only_frame(bytes: &[u8]) -> Frame<'_> {
+        let frames: Vec<_> = frames(bytes, &mut Counters::default()).collect();
+        assert_eq!(frames.len(), 1);
+        frames[0]
+    }
+
+    /// The same frame with another command in it, as a sender with a newer dialect would write it.
+    fn with_command(bytes: &[u8], command: u16, extra: u8) -> Vec<u8> {
+        let mut bytes = bytes.to_vec();
+        let payload_start = if bytes[0] == 0xFD { 10 } else { 6 };
+        bytes[payload_start + 28..payload_start + 30].copy_from_slice(&command.to_le_bytes());
+        let end = bytes.len() - 2;
+        let crc = crate::frame::checksum(&bytes[1..end], extra).to_le_bytes();
+        bytes[end..].copy_from_slice(&crc);
+        bytes
+    }
+
+    #[test]
+    fn a_command_that_is_not_in_the_dialect_is_still_read() {
+        for version in [Version::V1, Version::V2] {
+            let long = Message::COMMAND_LONG(COMMAND_LONG_DATA {
+                command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+                target_system: 7,
+                target_component: 1,
+                confirmation: 1,
+                ..COMMAND_LONG_DATA::DEFAULT
+            });
+            let mut bytes = Vec::new();
+            Encoder::new(255, 190).with_version(version).encode(&long, &mut bytes);
+            let bytes = with_command(&bytes, 60_000, COMMAND_LONG_DATA::EXTRA_CRC);
+            let frame = only_frame(&bytes);
+            assert_eq!(frame.message(), Err(FrameError::InvalidValue { enum_type: "MavCmd", value: 60_000 }));
+            let expected =
+                RawCommand { target_system: 7, target_component: 1, command: 60_000, kind: CommandKind::Long };
+            assert_eq!(raw_command(&frame), Some(expected));
+        }
+    }
+
+    #[test]
+    fn what_is_no_command_gives_none() {
+        let mut bytes = Vec::new();
+        Encoder::new(1, 1).encode(&ground_heartbeat(), &mut bytes);
+        assert_eq!(raw_command(&only_frame(&bytes)), None);
+    }
+
+    proptest! {
+        #[test]
+        fn the_raw_command_is_the_command(system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(), x in any::<f32>()) {
+            // All zeros behind the command: MAVLink 2 leaves them out.
+            let int = Message::COMMAND_INT(COMMAND_INT_DATA {
+                param1: x,
+                command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
+                target_system: system,
+                target_component: component,
+                frame: MavFrame::MAV_FRAME_GLOBAL,
+                ..COMMAND_INT_DATA::DEFAULT
+            });
+            let mut bytes = Vec::new();
+            Encoder::new(1, 1).with_version(if v1 { Version::V1 } else { Version::V2 }).encode(&int, &mut bytes);
+            let expected =
+                RawCommand { target_system: system, target_component: component, command: 43002, kind: CommandKind::Int };
+            prop_assert_eq!(raw_command(&only_frame(&bytes)), Some(expected));
+        }
+
+        #[test]
+        fn a_raw_answer_is_what_the_dialect_would_write(system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>()) {
+            use crate::dialect::COMMAND_ACK_DATA;
+            let version = if v1 { Version::V1 } else { Version::V2 };
+            let target = Target { system_id: system, component_id: component };
+            let ack = Message::COMMAND_ACK(COMMAND_ACK_DATA {
+                command: MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED,
+                result: MavResult::MAV_RESULT_UNSUPPORTED,
+                target_system: system,
+                target_component: component,
+                ..COMMAND_ACK_DATA::DEFAULT
+            });
+            let (mut by_hand, mut by_dialect) = (Vec::new(), Vec::new());
+            Encoder::new(9, 1).with_version(version).encode(&ack, &mut by_dialect);
+            Encoder::new(9, 1).with_version(version).encode_command_ack_raw(
+                43000, MavResult::MAV_RESULT_UNSUPPORTED, target, &mut by_hand,
+            );
+            prop_assert_eq!(by_hand, by_dialect);
+        }
+    }
+}

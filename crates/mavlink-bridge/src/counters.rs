@@ -36,7 +36,7 @@ counters! {
     incompatible_flags,
     /// Frames whose payload holds a value that the dialect does not know.
     invalid_value,
-    /// Bytes that belong to no frame: garbage, or the pieces of truncated frames.
+    /// Bytes that belong to no frame, right or wrong: garbage, or the pieces of truncated frames.
     malformed_bytes,
     /// Frames that never came, by the gaps in the sequence numbers of each sender.
     lost,
@@ -98,6 +98,73 @@ impl SequenceTracker {
             *last = header.sequence;
         } else {
             counters.out_of_order = counters.out_of_order.saturating_add(1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Version;
+    use proptest::prelude::*;
+
+    fn header(system_id: u8, sequence: u8) -> Header {
+        Header { system_id, component_id: 1, sequence, message_id: 0, version: Version::V2 }
+    }
+
+    fn observed(sequences: impl IntoIterator<Item = u8>) -> Counters {
+        let mut counters = Counters::default();
+        let mut tracker = SequenceTracker::default();
+        for sequence in sequences {
+            tracker.observe(&header(1, sequence), &mut counters);
+        }
+        counters
+    }
+
+    #[test]
+    fn a_gap_is_lost_frames_also_across_the_wrap() {
+        assert_eq!(observed([10, 11, 14]).lost, 2);
+        assert_eq!(observed([254, 255, 1]).lost, 1);
+        assert_eq!(observed([7]).lost, 0);
+    }
+
+    #[test]
+    fn late_and_repeated_frames_are_no_gap() {
+        let counters = observed([10, 12, 11, 12, 13]);
+        assert_eq!((counters.lost, counters.out_of_order), (1, 2));
+    }
+
+    #[test]
+    fn senders_are_told_apart() {
+        let mut counters = Counters::default();
+        let mut tracker = SequenceTracker::default();
+        for (system_id, sequence) in [(1, 0), (2, 100), (1, 1), (2, 101)] {
+            tracker.observe(&header(system_id, sequence), &mut counters);
+        }
+        assert_eq!(counters, Counters::default());
+    }
+
+    #[test]
+    fn counters_add_field_by_field_and_do_not_overflow() {
+        let one = Counters { frames: 3, lost: u64::MAX, ..Counters::default() };
+        let other = Counters { frames: 4, lost: 1, bytes: 9, ..Counters::default() };
+        let sum = Counters { frames: 7, lost: u64::MAX, bytes: 9, ..Counters::default() };
+        assert_eq!(one + other, sum);
+        assert_eq!([one, other].into_iter().sum::<Counters>(), sum);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_dropped_is_what_is_lost(kept in proptest::collection::vec(any::<bool>(), 1..600)) {
+            // The last frame always comes, and no gap is longer than can be told.
+            prop_assume!(!kept.windows(127).any(|window| window.iter().all(|kept| !kept)));
+            let mut kept = kept;
+            kept[0] = true;
+            let last = kept.len() - 1;
+            kept[last] = true;
+            let dropped = kept.iter().filter(|kept| !**kept).count() as u64;
+            let counters = observed((0..=last).filter(|&index| kept[index]).map(|index| index as u8));
+            prop_assert_eq!((counters.lost, counters.out_of_order), (dropped, 0));
         }
     }
 }

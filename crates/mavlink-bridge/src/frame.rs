@@ -1,7 +1,7 @@
-//! From a datagram to frames, MAVLink 1 and 2 (<https://mavlink.io/en/guide/serialization.html>).
+//! One frame, MAVLink 1 or 2 (<https://mavlink.io/en/guide/serialization.html>).
 
+use crate::Target;
 use crate::dialect::{DialectMessage, Message};
-use crate::{Counters, Target};
 use mavlink::MavlinkVersion;
 use mavlink::error::ParserError;
 
@@ -96,97 +96,14 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The frames of a datagram whose message ids we know and whose checksums are right; everything else is counted.
-///
-/// The datagram is searched from one start byte to the next. Where a frame stands whole, with the right checksum, it is
-/// yielded and the search goes on behind it. Where what looks like a frame is not one that we can trust (wrong checksum,
-/// unknown id, flags that we do not understand) its length can be trusted only if it ends with the datagram or where
-/// another start byte stands: then it is counted and passed over as a whole. Otherwise the start byte was garbage.
-/// Signatures are accepted and not verified.
-pub fn frames<'a, 'c>(datagram: &'a [u8], counters: &'c mut Counters) -> Frames<'a, 'c> {
-    counters.datagrams = counters.datagrams.saturating_add(1);
-    counters.bytes = counters.bytes.saturating_add(datagram.len() as u64);
-    Frames { rest: datagram, counters }
-}
-
-/// The frames of a datagram with their messages. Frames whose message cannot be read are yielded with the reason, and
-/// counted as `invalid_value`.
-pub fn messages<'a>(
-    datagram: &'a [u8],
-    counters: &mut Counters,
-) -> impl Iterator<Item = (Frame<'a>, Result<Message, FrameError>)> {
-    let mut frames = frames(datagram, counters);
-    std::iter::from_fn(move || {
-        let frame = frames.next()?;
-        let message = frame.message();
-        if message.is_err() {
-            frames.counters.invalid_value = frames.counters.invalid_value.saturating_add(1);
-        }
-        Some((frame, message))
-    })
-}
-
-/// See [`frames`].
-#[derive(Debug)]
-pub struct Frames<'a, 'c> {
-    rest: &'a [u8],
-    counters: &'c mut Counters,
-}
-
-impl<'a> Iterator for Frames<'a, '_> {
-    type Item = Frame<'a>;
-
-    fn next(&mut self) -> Option<Frame<'a>> {
-        loop {
-            self.skip_to_start_byte();
-            if self.rest.is_empty() {
-                return None;
-            }
-            let Some(candidate) = Candidate::at_start_of(self.rest) else {
-                self.skip_malformed(1);
-                continue;
-            };
-            let (_, behind) = self.rest.split_at(candidate.frame.bytes.len());
-            let counter = match candidate.verify() {
-                Ok(()) => {
-                    self.rest = behind;
-                    self.counters.frames = self.counters.frames.saturating_add(1);
-                    return Some(candidate.frame);
-                }
-                Err(_) if !behind.first().is_none_or(|&byte| is_start_byte(byte)) => {
-                    self.skip_malformed(1);
-                    continue;
-                }
-                Err(FrameError::BadChecksum) => &mut self.counters.bad_checksum,
-                Err(FrameError::IncompatibleFlags(_)) => &mut self.counters.incompatible_flags,
-                Err(_) => &mut self.counters.unknown_message,
-            };
-            *counter = counter.saturating_add(1);
-            self.rest = behind;
-        }
-    }
-}
-
-impl Frames<'_, '_> {
-    fn skip_to_start_byte(&mut self) {
-        let garbage = self.rest.iter().position(|&byte| is_start_byte(byte)).unwrap_or(self.rest.len());
-        self.skip_malformed(garbage);
-    }
-
-    fn skip_malformed(&mut self, bytes: usize) {
-        self.rest = self.rest.get(bytes..).unwrap_or(&[]);
-        self.counters.malformed_bytes = self.counters.malformed_bytes.saturating_add(bytes as u64);
-    }
-}
-
 pub(crate) const V1_START: u8 = 0xFE;
 pub(crate) const V2_START: u8 = 0xFD;
 pub(crate) const V1_HEADER: usize = 6;
 pub(crate) const V2_HEADER: usize = 10;
 pub(crate) const CHECKSUM: usize = 2;
-const SIGNATURE: usize = 13;
+pub(crate) const SIGNATURE: usize = 13;
 /// The incompatibility flag of a signed frame, MAVLINK_IFLAG_SIGNED.
-const SIGNED: u8 = 0x01;
+pub(crate) const SIGNED: u8 = 0x01;
 
 /// Checksum of a frame's bytes between its start byte and its checksum (CRC-16/MCRF4XX, with CRC_EXTRA).
 pub(crate) fn checksum(covered: &[u8], extra: u8) -> u16 {
@@ -202,7 +119,8 @@ pub(crate) fn checksum_extra(message_id: u32) -> Option<u8> {
     }
 }
 
-fn is_start_byte(byte: u8) -> bool {
+/// Whether a frame may start with `byte`.
+pub(crate) fn is_start_byte(byte: u8) -> bool {
     byte == V1_START || byte == V2_START
 }
 
@@ -211,13 +129,13 @@ fn signature_length(incompatibility_flags: u8) -> usize {
 }
 
 /// Bytes that have the shape of a frame: a start byte, a header, and the length that the header says.
-struct Candidate<'a> {
-    frame: Frame<'a>,
+pub(crate) struct Candidate<'a> {
+    pub(crate) frame: Frame<'a>,
     incompatibility_flags: u8,
 }
 
 impl<'a> Candidate<'a> {
-    fn at_start_of(bytes: &'a [u8]) -> Option<Self> {
+    pub(crate) fn at_start_of(bytes: &'a [u8]) -> Option<Self> {
         let (header, incompatibility_flags) = match *bytes {
             [V1_START, _, sequence, system_id, component_id, message_id, ..] => {
                 let message_id = u32::from(message_id);
@@ -236,7 +154,7 @@ impl<'a> Candidate<'a> {
         Some(Self { frame, incompatibility_flags })
     }
 
-    fn verify(&self) -> Result<(), FrameError> {
+    pub(crate) fn verify(&self) -> Result<(), FrameError> {
         let unknown_flags = self.incompatibility_flags & !SIGNED;
         if unknown_flags != 0 {
             return Err(FrameError::IncompatibleFlags(unknown_flags));

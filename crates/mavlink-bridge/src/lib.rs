@@ -3,6 +3,10 @@
 //! This is the only room of the house that names the MAVLink crate; its messages leave here as [`Message`], its enums
 //! and payload structs as [`dialect`]. All but [`udp`] is sans-I/O: bytes and times are arguments.
 //!
+//! A datagram is read by [`frames`] or [`messages`] and written by [`Encoder`]; [`telemetry`] and [`setpoint`] stand
+//! between messages and the flight model; [`UdpLink`] carries datagrams, [`Impairment`] spoils them, [`TlogWriter`] keeps
+//! them. Other transports belong beside [`udp`], signatures beside [`frame`], routes between links and cores.
+//!
 //! ```
 //! use mavlink_bridge::{Counters, Encoder, Message, frames, local_position_ned, state_from_local_position};
 //! use std::time::Duration;
@@ -23,6 +27,7 @@
 
 pub mod command;
 pub mod counters;
+pub mod datagram;
 pub mod dialect;
 pub mod encoder;
 pub mod frame;
@@ -34,9 +39,10 @@ pub mod udp;
 
 pub use command::{CommandKind, RawCommand, raw_command};
 pub use counters::{Counters, SequenceTracker};
+pub use datagram::{Frames, frames, messages};
 pub use dialect::{Message, Target};
 pub use encoder::Encoder;
-pub use frame::{Frame, FrameError, Header, Version, frames, messages};
+pub use frame::{Frame, FrameError, Header, Version};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
 pub use setpoint::{
     PartialSetpoint, SetpointRefusal, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,

@@ -179,3 +179,112 @@ fn heading_cdeg(course_rad: f64) -> u16 {
     let cdeg = ((turn - turn.floor()) * 36_000.0).round() as u16;
     if cdeg >= 36_000 { 0 } else { cdeg }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn state() -> impl Strategy<Value = State> {
+        (-1e5..1e5f64, -1e5..1e5f64, -500.0..5e3f64, 0.0..300.0f64, -10.0..10.0f64, -50.0..50.0f64).prop_map(
+            |(x_m, y_m, altitude_m, speed_mps, course_rad, climb_mps)| State {
+                x_m,
+                y_m,
+                altitude_m,
+                speed_mps,
+                course_rad: wrap_pi(course_rad),
+                climb_mps,
+            },
+        )
+    }
+
+    fn bits(state: &State) -> [u64; 6] {
+        [state.x_m, state.y_m, state.altitude_m, state.speed_mps, state.course_rad, state.climb_mps].map(f64::to_bits)
+    }
+
+    #[test]
+    fn courses_along_the_axes_keep_their_bits() {
+        use std::f64::consts::{FRAC_PI_2, PI};
+        for course_rad in [0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
+            let state = State { speed_mps: 9.0, course_rad, ..State::default() };
+            assert_eq!(bits(&wire_round(&state)), bits(&state));
+        }
+        let south_by_the_other_hand = State { speed_mps: 9.0, course_rad: -PI, ..State::default() };
+        assert_eq!(wire_round(&south_by_the_other_hand).course_rad, PI);
+    }
+
+    #[test]
+    fn a_strangers_negative_zero_is_south_by_plus_pi() {
+        let position = LOCAL_POSITION_NED_DATA { vx: -3.0, vy: -0.0, ..LOCAL_POSITION_NED_DATA::DEFAULT };
+        assert_eq!(state_from_local_position(&position).course_rad, std::f64::consts::PI);
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_seen_as_such() {
+        let mut position = LOCAL_POSITION_NED_DATA::DEFAULT;
+        assert!(state_from_local_position(&position).is_finite());
+        position.vy = f32::NAN;
+        assert!(!state_from_local_position(&position).is_finite());
+        let state = State { altitude_m: f64::INFINITY, ..State::default() };
+        assert!(!wire_round(&state).is_finite());
+    }
+
+    #[test]
+    fn time_wraps_after_fifty_days() {
+        assert_eq!(boot_ms(Duration::from_micros(500_999)), 500);
+        assert_eq!(boot_ms(Duration::from_millis((1 << 32) + 7)), 7);
+    }
+
+    #[test]
+    fn a_known_place_in_wgs_84() {
+        let origin = Geodetic { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 };
+        let state = State { altitude_m: 20.5, speed_mps: 10.0, course_rad: -0.1, climb_mps: 1.5, ..State::default() };
+        let message = global_position_int(Duration::from_secs(3), &state, &LocalFrame::new(origin));
+        let expected = GLOBAL_POSITION_INT_DATA {
+            time_boot_ms: 3000,
+            lat: 399_800_000,
+            lon: 1_163_400_000,
+            alt: 70_500,
+            relative_alt: 20_500,
+            vx: 995,
+            vy: -100,
+            vz: -150,
+            hdg: 35_427, // 360 - 5.7296 degrees
+        };
+        assert_eq!(message, Message::GLOBAL_POSITION_INT(expected));
+    }
+
+    proptest! {
+        #[test]
+        fn wire_rounding_is_within_single_precision(state in state()) {
+            let rounded = wire_round(&state);
+            prop_assert!((rounded.x_m - state.x_m).abs() <= 6e-8 * state.x_m.abs());
+            prop_assert!((rounded.altitude_m - state.altitude_m).abs() <= 6e-8 * state.altitude_m.abs());
+            prop_assert!((rounded.speed_mps - state.speed_mps).abs() <= 1e-6 + 1e-7 * state.speed_mps);
+            let cross_m = state.speed_mps * wrap_pi(rounded.course_rad - state.course_rad);
+            prop_assert!(cross_m.abs() <= 1e-6 + 1e-7 * state.speed_mps, "{cross_m}");
+        }
+
+        #[test]
+        fn wire_rounding_twice_is_once(state in state()) {
+            let once = wire_round(&state);
+            prop_assert_eq!(bits(&wire_round(&once)), bits(&once));
+        }
+
+        // Near the axes one component of the velocity is tiny, and the course has the least to hold on to.
+        #[test]
+        fn wire_rounding_twice_is_once_near_the_axes(axis in 0..4u8, off in -1e-6..1e-6f64, speed in 0.0..20.0f64) {
+            let course_rad = wrap_pi(f64::from(axis) * std::f64::consts::FRAC_PI_2 + off);
+            let once = wire_round(&State { speed_mps: speed, course_rad, ..State::default() });
+            prop_assert_eq!(bits(&wire_round(&once)), bits(&once));
+        }
+
+        #[test]
+        fn the_heading_is_a_compass_heading(course in -1e3..1e3f64) {
+            let heading = heading_cdeg(course);
+            prop_assert!(heading < 36_000);
+            let error = wrap_pi(f64::from(heading) / 100.0 * std::f64::consts::PI / 180.0 - course);
+            prop_assert!(error.abs() < 1e-4);
+        }
+    }
+}

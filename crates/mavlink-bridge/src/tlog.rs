@@ -106,3 +106,100 @@ impl<R: Read> Iterator for TlogReader<R> {
         record
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::telemetry::{ground_heartbeat, local_position_ned};
+    use crate::{Encoder, Version};
+    use flight_model::State;
+    use std::time::Duration;
+
+    /// Frames of both versions, with their times.
+    fn records() -> Vec<TlogRecord> {
+        let messages = [ground_heartbeat(), local_position_ned(Duration::from_secs(1), &State::default())];
+        let mut encoders = [Version::V1, Version::V2].map(|version| Encoder::new(3, 1).with_version(version));
+        let mut records = Vec::new();
+        for (index, message) in messages.iter().cycle().take(400).enumerate() {
+            let mut bytes = Vec::new();
+            encoders[index / 2 % 2].encode(message, &mut bytes);
+            records.push(TlogRecord { at_us: 1_700_000_000_000_000 + 20_000 * index as u64, bytes });
+        }
+        records
+    }
+
+    fn log(records: &[TlogRecord]) -> Vec<u8> {
+        let mut writer = TlogWriter::new(Vec::new());
+        for record in records {
+            writer.write(record.at_us, &record.bytes).unwrap();
+        }
+        writer.finish().unwrap()
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let records = records();
+        let read: Vec<_> = TlogReader::new(&log(&records)[..]).collect::<Result<_, _>>().unwrap();
+        assert_eq!(read, records);
+        assert!(read.iter().all(|record| record.frame().is_ok_and(|frame| frame.bytes == record.bytes)));
+    }
+
+    #[test]
+    fn a_file_round_trip_on_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flight.tlog");
+        let records = records();
+        let mut writer = TlogWriter::new(std::fs::File::create(&path).unwrap());
+        for record in &records {
+            writer.write(record.at_us, &record.bytes).unwrap();
+        }
+        writer.finish().unwrap();
+        let read = TlogReader::new(std::fs::File::open(&path).unwrap()).collect::<Result<Vec<_>, _>>().unwrap();
+        assert_eq!(read, records);
+    }
+
+    #[test]
+    fn the_time_is_big_endian_before_the_frame() {
+        let bytes = log(&[TlogRecord { at_us: 0x0102_0304_0506_0708, bytes: vec![0xFE, 0, 0, 0, 0, 0, 0, 0] }]);
+        assert_eq!(bytes, [1, 2, 3, 4, 5, 6, 7, 8, 0xFE, 0, 0, 0, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_log_cut_anywhere_gives_its_whole_records() {
+        let records = &records()[..4];
+        let whole = log(records);
+        let mut ends = vec![0];
+        for record in records {
+            ends.push(ends[ends.len() - 1] + 8 + record.bytes.len());
+        }
+        for length in 0..whole.len() {
+            let read: Vec<_> = TlogReader::new(&whole[..length]).collect();
+            let complete = ends.iter().filter(|&&end| end > 0 && end <= length).count();
+            assert_eq!(read.iter().filter(|record| record.is_ok()).count(), complete);
+            let cut_within = !ends.contains(&length);
+            assert_eq!(matches!(read.last(), Some(Err(TlogError::Truncated))), cut_within, "{length}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_log_is_said_so() {
+        let read: Vec<_> = TlogReader::new(&[0_u8; 64][..]).collect();
+        assert!(matches!(read[..], [Err(TlogError::NotAFrame(0))]));
+    }
+
+    #[test]
+    fn errors_at_the_end_are_reported() {
+        struct Full;
+        impl Write for Full {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::ErrorKind::StorageFull.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let mut writer = TlogWriter::new(Full);
+        writer.write(0, &[0xFE]).unwrap();
+        assert_eq!(writer.finish().err().map(|error| error.kind()), Some(io::ErrorKind::StorageFull));
+    }
+}

@@ -7,7 +7,6 @@ use crate::{Counters, Impairment, ImpairmentError, ImpairmentSettings};
 use socket2::{Domain, Protocol, Socket, Type};
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
-use std::time::Duration;
 use tokio::net::UdpSocket;
 use tokio::time::Instant;
 
@@ -20,6 +19,8 @@ pub struct LinkSettings {
     pub outbound: ImpairmentSettings,
     /// Seed of the impairment.
     pub seed: u64,
+    /// Which link of that seed this is: links with numbers of their own are impaired independently.
+    pub stream: u64,
     /// Size of the socket's receive buffer to ask for, bytes. The system's default loses datagrams from some thousands a
     /// second on; the system may grant less than is asked for (Linux: net.core.rmem_max).
     pub receive_buffer_bytes: usize,
@@ -31,6 +32,7 @@ impl Default for LinkSettings {
             inbound: ImpairmentSettings::default(),
             outbound: ImpairmentSettings::default(),
             seed: 0,
+            stream: 0,
             receive_buffer_bytes: 4 << 20,
         }
     }
@@ -89,8 +91,12 @@ impl UdpLink {
             open(address, settings.receive_buffer_bytes).map_err(|source| LinkError::Bind { address, source })?;
         Ok(Self {
             socket,
-            inbound: Impairment::new(settings.inbound, settings.seed, 0)?,
-            outbound: Impairment::new(settings.outbound, settings.seed, 1)?,
+            inbound: Impairment::new(settings.inbound, settings.seed, settings.stream.wrapping_mul(2))?,
+            outbound: Impairment::new(
+                settings.outbound,
+                settings.seed,
+                settings.stream.wrapping_mul(2).wrapping_add(1),
+            )?,
             counters: Counters::default(),
             started: Instant::now(),
             received: vec![0; DATAGRAM_MAX].into_boxed_slice(),
@@ -112,7 +118,8 @@ impl UdpLink {
         counters
     }
 
-    /// Sends a datagram, or hands it to the impairment. What the socket refuses is counted and lost, as UDP is.
+    /// Sends a datagram, or hands it to the impairment. What the socket refuses is counted and lost, as UDP is. What the
+    /// impairment delays is sent by later calls of any method here, and while [`recv`](Self::recv) waits.
     pub async fn send_to(&mut self, datagram: &[u8], address: SocketAddr) {
         if self.outbound.is_none() {
             let result = self.socket.send_to(datagram, address).await;
@@ -120,24 +127,33 @@ impl UdpLink {
         } else {
             self.outbound.offer(self.started.elapsed(), datagram, address);
             self.send_due();
+            while self.unsent.is_some() {
+                if let Err(error) = self.socket.writable().await {
+                    tracing::debug!(%error, "socket error");
+                    self.counters.send_errors += 1;
+                    return;
+                }
+                self.send_due();
+            }
         }
     }
 
     /// Waits for the next datagram, which replaces what is in `buf`, and tells who sent it. Sends meanwhile what is
     /// delayed and due. Cancel safe: no datagram is lost when the future is dropped.
     pub async fn recv(&mut self, buf: &mut Vec<u8>) -> Result<SocketAddr, LinkError> {
+        // A flooded link must leave its runtime time for other tasks.
+        tokio::task::coop::consume_budget().await;
         loop {
             if let Some(from) = self.try_recv(buf)? {
                 return Ok(from);
             }
-            let next_due = [self.inbound.next_due(), self.outbound.next_due()].into_iter().flatten().min();
-            // A wait of an hour when nothing is due: select! wants a future there.
-            let wake = self.started + next_due.unwrap_or_else(|| self.started.elapsed() + Duration::from_secs(3600));
             let blocked = self.unsent.is_some();
+            let outbound_due = if blocked { None } else { self.outbound.next_due() };
+            let next_due = [self.inbound.next_due(), outbound_due].into_iter().flatten().min();
             tokio::select! {
                 ready = self.socket.readable() => self.note_ready(ready)?,
                 ready = self.socket.writable(), if blocked => self.note_ready(ready)?,
-                () = tokio::time::sleep_until(wake), if !blocked || self.inbound.next_due().is_some() => {}
+                () = tokio::time::sleep_until(self.started + next_due.unwrap_or_default()), if next_due.is_some() => {}
             }
         }
     }
@@ -168,6 +184,7 @@ impl UdpLink {
         }
     }
 
+    /// Sends what is due until the socket's send buffer is full: then one datagram is left in `unsent`.
     fn send_due(&mut self) {
         while let Some((datagram, address)) = self.unsent.take().or_else(|| self.outbound.poll(self.started.elapsed()))
         {
