@@ -1,4 +1,5 @@
 //! What one integration step of one vehicle costs, without telemetry and with it.
+#![allow(clippy::expect_used)]
 
 use divan::{Bencher, black_box};
 use flight_model::Setpoint;

@@ -1,4 +1,5 @@
 //! What ArduPlane accepts and refuses, asked of the simulated vehicle over its wire.
+#![allow(clippy::unwrap_used)]
 #![allow(deprecated)]
 
 mod common;
@@ -13,7 +14,7 @@ use mavlink_bridge::dialect::{
     SET_MODE_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
 };
 use mavlink_bridge::telemetry::ground_heartbeat;
-use mavlink_bridge::{Target, guided_commands, local_ned_setpoint};
+use mavlink_bridge::{Encoder, Target, guided_commands, local_ned_setpoint};
 use sim_vehicle::{Mode, VehicleSettings};
 use std::time::Duration;
 
@@ -187,7 +188,12 @@ fn others_are_met_with_silence_and_everybody_is_obeyed() {
     let answer = client.ask(&long(TARGET + 1, MAV_CMD_DO_SET_MODE, [1.0, 12.0, 0.0]));
     assert_eq!((answer.len(), client.vehicle.mode()), (0, Mode::Guided));
     assert_eq!(client.vehicle.counters().frames_for_others, 1);
-    let answer = client.ask(&long(0, MAV_CMD_DO_SET_MODE, [1.0, 12.0, 0.0]));
+    // Its own frames, come back from a loop, are not obeyed; a companion computer with its system id is.
+    let command = long(0, MAV_CMD_DO_SET_MODE, [1.0, 12.0, 0.0]);
+    client.encoder = Encoder::new(TARGET, 1);
+    assert_eq!((client.ask(&command).len(), client.vehicle.mode()), (0, Mode::Guided));
+    client.encoder = Encoder::new(TARGET, 191);
+    let answer = client.ask(&command);
     assert_eq!(acknowledgement(&answer).unwrap().result, MAV_RESULT_ACCEPTED);
     assert_eq!(client.vehicle.mode(), Mode::Loiter);
 }

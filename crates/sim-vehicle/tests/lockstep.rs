@@ -1,4 +1,5 @@
 //! On a shared simulated clock no fault of the network changes a flight, not by a bit.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

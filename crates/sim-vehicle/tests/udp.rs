@@ -1,4 +1,5 @@
 //! The host over real sockets.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 
