@@ -81,3 +81,38 @@ impl Encoder {
         self.sequence = self.sequence.wrapping_add(1);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Frame;
+    use crate::telemetry::ground_heartbeat;
+
+    #[test]
+    fn sequence_numbers_run_on_and_wrap() {
+        let mut encoder = Encoder::new(1, 1);
+        for expected in (0..=255).chain(0..3) {
+            let mut bytes = Vec::new();
+            encoder.encode(&ground_heartbeat(), &mut bytes);
+            assert_eq!(Frame::parse(&bytes).unwrap().header.sequence, expected);
+        }
+    }
+
+    #[test]
+    fn what_mavlink_1_cannot_carry_goes_as_mavlink_2() {
+        let message = Message::default_message_from_id(395).unwrap();
+        let mut bytes = Vec::new();
+        Encoder::new(1, 1).with_version(Version::V1).encode(&message, &mut bytes);
+        let frame = Frame::parse(&bytes).unwrap();
+        assert_eq!((frame.header.version, frame.header.message_id), (Version::V2, 395));
+        assert_eq!(frame.message(), Ok(message));
+    }
+
+    #[test]
+    fn frames_are_appended() {
+        let mut out = b"before".to_vec();
+        Encoder::new(1, 1).encode(&ground_heartbeat(), &mut out);
+        assert!(out.starts_with(b"before"));
+        assert!(Frame::parse(&out[6..]).is_ok_and(|frame| frame.bytes.len() == out.len() - 6));
+    }
+}
