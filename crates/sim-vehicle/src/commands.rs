@@ -2,7 +2,8 @@
 //!
 //! Where it differs: param 3 of GUIDED_CHANGE_ALTITUDE is the rate of climb that it is documented to be (broken in
 //! ArduPlane since 4.6); terrain is as high as home; the air is still, so that a heading is a course and an airspeed a
-//! ground speed; a number that is not finite is DENIED; and a vehicle in flight cannot be disarmed, not even by force.
+//! ground speed; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; of the params that a command reads, one that is
+//! not a finite number is DENIED; and a vehicle in flight cannot be disarmed, not even by force.
 
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]

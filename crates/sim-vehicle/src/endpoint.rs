@@ -1,7 +1,7 @@
 //! One port and the vehicles behind it.
 
 use crate::host::{Advance, Clock, HostError, Observer};
-use crate::vehicle::target_system;
+use crate::services::target_system;
 use crate::{Vehicle, VehicleCounters};
 use flight_model::State;
 use mavlink_bridge::{Counters, LinkError, UdpLink, messages};

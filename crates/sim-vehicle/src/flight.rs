@@ -133,7 +133,7 @@ impl Flight {
 
     /// Speed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
     pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
-        let value = if acceleration_mps2.is_finite() { self.state.speed_mps } else { speed_mps };
+        let value = if acceleration_mps2.is_finite() { self.when_released().speed_mps } else { speed_mps };
         self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
     }
 
@@ -167,9 +167,14 @@ impl Flight {
         self.autopilot = Autopilot::new(&dynamics, self.autopilot.step_s());
     }
 
-    /// Every mode begins by holding what the vehicle does now (on the rail: what it will do when released).
+    /// What it flies now, or on the rail will fly when it is released.
+    fn when_released(&self) -> State {
+        if self.armed { self.state } else { self.start }
+    }
+
+    /// Every mode begins by holding what the vehicle does.
     fn enter(&mut self, mode: Mode) {
-        let now = if self.armed { self.state } else { self.start };
+        let now = self.when_released();
         self.speed = Ramp::at(now.speed_mps);
         self.altitude = Ramp::at(now.altitude_m);
         self.set_course(now.course_rad, f64::INFINITY);
@@ -227,6 +232,16 @@ mod tests {
         flight.arm();
         assert_eq!(*flight.state(), settings().start);
         assert!(from_centre(&fly(&mut flight, 1.0), (5.0, -3.0)) > 9.99);
+    }
+
+    #[test]
+    fn a_ramp_asked_for_on_the_rail_begins_at_the_release() {
+        let mut flight = Flight::new(&VehicleSettings { armed: false, ..settings() });
+        flight.set_speed(14.0, 0.5);
+        fly(&mut flight, 5.0);
+        flight.arm();
+        let speed_mps = fly(&mut flight, 2.0).speed_mps;
+        assert!(speed_mps > 10.0 && speed_mps < 11.0, "{speed_mps}");
     }
 
     #[test]

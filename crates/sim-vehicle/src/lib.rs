@@ -12,6 +12,7 @@ mod links;
 mod lockstep;
 mod loiter;
 mod mode;
+mod services;
 mod settings;
 mod telemetry;
 mod vehicle;

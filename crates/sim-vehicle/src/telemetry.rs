@@ -4,7 +4,8 @@ use crate::flight::Flight;
 use crate::{Mode, TelemetryRates};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    HOME_POSITION_DATA, MavAutopilot, MavModeFlag, MavState, MavSysStatusSensor, MavType, Message, SYS_STATUS_DATA,
+    HOME_POSITION_DATA, MavAutopilot, MavModeFlag, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType,
+    Message, SYS_STATUS_DATA,
 };
 use mavlink_bridge::{local_position_ned, telemetry};
 use std::time::Duration;
@@ -212,6 +213,10 @@ impl Instruments<'_> {
             voltage_battery: u16::MAX,
             current_battery: -1,
             battery_remaining: -1,
+            // The default of a bitmask is its first flag, not none.
+            onboard_control_sensors_present_extended: MavSysStatusSensorExtended::empty(),
+            onboard_control_sensors_enabled_extended: MavSysStatusSensorExtended::empty(),
+            onboard_control_sensors_health_extended: MavSysStatusSensorExtended::empty(),
             ..SYS_STATUS_DATA::DEFAULT
         })
     }

@@ -1,22 +1,14 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
-// Clients still speak what the dialect calls superseded, and ArduPlane answers.
-#![allow(deprecated)]
-
-use crate::commands::{Command, Refusal};
 use crate::flight::Flight;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
+use crate::services::target_system;
 use crate::telemetry::{Instruments, Stream};
 use crate::{LockstepSettings, Mode, SettingsError, VehicleCounters, VehicleSettings};
 use flight_model::{Setpoint, State};
-use mavlink_bridge::dialect::{
-    DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA, STATUSTEXT_DATA, TIMESYNC_DATA,
-};
-use mavlink_bridge::{
-    Counters, Frame, FrameError, SetpointRefusal, Target, messages, raw_command, setpoint_from_local_ned,
-};
+use mavlink_bridge::dialect::{MavSeverity, Message, STATUSTEXT_DATA};
+use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -55,14 +47,14 @@ pub struct Vehicle {
     pub(crate) flight: Flight,
     pub(crate) links: Links,
     pub(crate) time: Duration,
-    lockstep: Option<Lockstep>,
+    pub(crate) lockstep: Option<Lockstep>,
     host_now: Duration,
     /// Vehicle time at which the lack of setpoints becomes a failsafe.
     setpoints_until: Duration,
     failsafe: bool,
     /// Vehicle time before which no further refused setpoint is put into words.
-    quiet_until: Duration,
-    counters: VehicleCounters,
+    pub(crate) quiet_until: Duration,
+    pub(crate) counters: VehicleCounters,
     wire: Counters,
 }
 
@@ -131,7 +123,9 @@ impl Vehicle {
         self.note_host_time(now);
         let Some(target) = target_system(frame, message) else { return };
         let ours = target == 0 || target == self.settings.system_id;
-        let from_ourselves = frame.header.system_id == self.settings.system_id;
+        // A companion computer has our system id and a component id of its own: it is heard.
+        let from_ourselves = frame.header.system_id == self.settings.system_id
+            && frame.header.component_id == self.settings.component_id;
         if !ours || from_ourselves {
             self.counters.frames_for_others += 1;
             return;
@@ -140,22 +134,7 @@ impl Vehicle {
         if is_new {
             self.announce(link);
         }
-        let sender = Target { system_id: frame.header.system_id, component_id: frame.header.component_id };
-        match message {
-            Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
-            Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
-            Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
-            Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
-            Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
-            Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
-            // Parameters, missions and the fence are to be answered from here.
-            Ok(_) => {}
-            Err(_) => {
-                if let Some(raw) = raw_command(frame) {
-                    self.obey(link, raw.command, sender, Err(Refusal::unreadable(raw.command)));
-                }
-            }
-        }
+        self.serve(link, frame, message);
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.
@@ -297,86 +276,10 @@ impl Vehicle {
         self.restart_setpoint_timeout();
     }
 
-    fn check_guided(&self) -> Result<(), SetpointRefused> {
+    pub(crate) fn check_guided(&self) -> Result<(), SetpointRefused> {
         match self.flight.mode() {
             Mode::Guided => Ok(()),
             other => Err(SetpointRefused::NotGuided(other)),
-        }
-    }
-
-    fn take_setpoint(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
-        if self.lockstep.as_mut().is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, self.time)) {
-            self.counters.setpoints_out_of_step += 1;
-            return;
-        }
-        let result = self.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?));
-        match result {
-            Ok(setpoint) => {
-                self.counters.setpoints_accepted += 1;
-                let full = setpoint.over(&self.flight.state().hold());
-                if let Some(velocity) = setpoint.velocity {
-                    self.flight.set_speed(full.speed_mps, f64::INFINITY);
-                    // A velocity of zero has no direction: the course stays.
-                    if velocity != (0.0, 0.0) {
-                        self.flight.set_course(full.course_rad, f64::INFINITY);
-                    }
-                }
-                if setpoint.altitude.is_some() {
-                    self.flight.set_altitude(full.altitude_m, f64::INFINITY);
-                }
-                self.restart_setpoint_timeout();
-            }
-            Err(refused) => {
-                self.counters.setpoints_refused += 1;
-                // Setpoints come in streams: one word in five seconds is enough.
-                if self.time >= self.quiet_until {
-                    self.quiet_until = self.time + Duration::from_secs(5);
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {refused}"));
-                }
-            }
-        }
-    }
-
-    fn obey(&mut self, link: usize, number: u16, sender: Target, command: Result<Command, Refusal>) {
-        let outcome = command.and_then(|command| self.execute(&command, link));
-        let result = match outcome {
-            Ok(()) => {
-                self.counters.commands_accepted += 1;
-                MavResult::MAV_RESULT_ACCEPTED
-            }
-            Err(refusal) => {
-                self.counters.commands_refused += 1;
-                if let Some(reason) = &refusal.reason {
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, reason);
-                }
-                refusal.result
-            }
-        };
-        self.links.acknowledge(link, number, result, sender);
-    }
-
-    /// SET_MODE is acknowledged as if its message id were a command's number: so does ArduPilot.
-    fn legacy_set_mode(&mut self, link: usize, sender: Target, data: &SET_MODE_DATA) {
-        const SET_MODE_ID: u16 = 11;
-        let custom = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
-        self.obey(link, SET_MODE_ID, sender, Ok(Command::set_mode(custom, data.custom_mode)));
-    }
-
-    fn answer_timesync(&mut self, link: usize, sender: Target, data: &TIMESYNC_DATA) {
-        // A set tc1 is itself an answer.
-        if data.tc1 == 0 {
-            let tc1 = i64::try_from(self.time.as_nanos()).unwrap_or(i64::MAX);
-            let Target { system_id: target_system, component_id: target_component } = sender;
-            self.links
-                .send(link, &Message::TIMESYNC(TIMESYNC_DATA { tc1, ts1: data.ts1, target_system, target_component }));
-        }
-    }
-
-    fn answer_ping(&mut self, link: usize, sender: Target, data: &PING_DATA) {
-        // A ping with a target is itself an answer.
-        if data.target_system == 0 && data.target_component == 0 {
-            let Target { system_id: target_system, component_id: target_component } = sender;
-            self.links.send(link, &Message::PING(PING_DATA { target_system, target_component, ..data.clone() }));
         }
     }
 
@@ -392,7 +295,7 @@ impl Vehicle {
         self.with_instruments(|links, instruments| links.send(link, &instruments.message(stream)));
     }
 
-    fn say(&mut self, severity: MavSeverity, text: &str) {
+    pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
         let text = text.get(..text.len().min(50)).unwrap_or_default();
         let text = STATUSTEXT_DATA { severity, text: text.into(), ..STATUSTEXT_DATA::DEFAULT };
         self.links.send_all(&Message::STATUSTEXT(text));
@@ -412,13 +315,5 @@ impl Vehicle {
     fn note_host_time(&mut self, now: Duration) {
         self.host_now = self.host_now.max(now);
         self.links.drop_silent(self.host_now);
-    }
-}
-
-/// The system that a frame is for, 0 for all; none if the frame tells nothing to anyone.
-pub(crate) fn target_system(frame: &Frame<'_>, message: &Result<Message, FrameError>) -> Option<u8> {
-    match message {
-        Ok(message) => Some(message.target_system_id().unwrap_or(0)),
-        Err(_) => raw_command(frame).map(|command| command.target_system),
     }
 }

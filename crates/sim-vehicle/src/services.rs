@@ -1,0 +1,119 @@
+//! The MAVLink services that the vehicle offers, message by message.
+
+// Clients still speak what the dialect calls superseded, and ArduPlane answers.
+#![allow(deprecated)]
+
+use crate::Vehicle;
+use crate::commands::{Command, Refusal};
+use mavlink_bridge::dialect::{
+    DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
+};
+use mavlink_bridge::{Frame, FrameError, Target, raw_command, setpoint_from_local_ned};
+use std::time::Duration;
+
+/// The system that a frame is for, 0 for all; none if the frame tells nothing to anyone.
+pub(crate) fn target_system(frame: &Frame<'_>, message: &Result<Message, FrameError>) -> Option<u8> {
+    match message {
+        Ok(message) => Some(message.target_system_id().unwrap_or(0)),
+        Err(_) => raw_command(frame).map(|command| command.target_system),
+    }
+}
+
+impl Vehicle {
+    /// Does what a message asks that came over a link and is for this vehicle.
+    pub(crate) fn serve(&mut self, link: usize, frame: &Frame<'_>, message: &Result<Message, FrameError>) {
+        let sender = Target { system_id: frame.header.system_id, component_id: frame.header.component_id };
+        match message {
+            Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
+            Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
+            Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
+            Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
+            Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
+            Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
+            // Parameters, missions and the fence are to be answered from here.
+            Ok(_) => {}
+            Err(_) => {
+                if let Some(raw) = raw_command(frame) {
+                    self.obey(link, raw.command, sender, Err(Refusal::unreadable(raw.command)));
+                }
+            }
+        }
+    }
+
+    fn take_setpoint(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
+        if self.lockstep.as_mut().is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, self.time)) {
+            self.counters.setpoints_out_of_step += 1;
+            return;
+        }
+        let result = self.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?));
+        match result {
+            Ok(setpoint) => {
+                self.counters.setpoints_accepted += 1;
+                let full = setpoint.over(&self.flight.state().hold());
+                if let Some(velocity) = setpoint.velocity {
+                    self.flight.set_speed(full.speed_mps, f64::INFINITY);
+                    // A velocity of zero has no direction: the course stays.
+                    if velocity != (0.0, 0.0) {
+                        self.flight.set_course(full.course_rad, f64::INFINITY);
+                    }
+                }
+                if setpoint.altitude.is_some() {
+                    self.flight.set_altitude(full.altitude_m, f64::INFINITY);
+                }
+                self.restart_setpoint_timeout();
+            }
+            Err(refused) => {
+                self.counters.setpoints_refused += 1;
+                // Setpoints come in streams: one word in five seconds is enough.
+                if self.time >= self.quiet_until {
+                    self.quiet_until = self.time + Duration::from_secs(5);
+                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {refused}"));
+                }
+            }
+        }
+    }
+
+    fn obey(&mut self, link: usize, number: u16, sender: Target, command: Result<Command, Refusal>) {
+        let outcome = command.and_then(|command| self.execute(&command, link));
+        let result = match outcome {
+            Ok(()) => {
+                self.counters.commands_accepted += 1;
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            Err(refusal) => {
+                self.counters.commands_refused += 1;
+                if let Some(reason) = &refusal.reason {
+                    self.say(MavSeverity::MAV_SEVERITY_WARNING, reason);
+                }
+                refusal.result
+            }
+        };
+        self.links.acknowledge(link, number, result, sender);
+    }
+
+    /// SET_MODE is acknowledged as if its message id were a command's number: so does ArduPilot.
+    fn legacy_set_mode(&mut self, link: usize, sender: Target, data: &SET_MODE_DATA) {
+        const SET_MODE_ID: u16 = 11;
+        let custom = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
+        self.obey(link, SET_MODE_ID, sender, Ok(Command::set_mode(custom, data.custom_mode)));
+    }
+
+    fn answer_timesync(&mut self, link: usize, sender: Target, data: &TIMESYNC_DATA) {
+        // A set tc1 is itself an answer.
+        if data.tc1 == 0 {
+            let tc1 = i64::try_from(self.time.as_nanos()).unwrap_or(i64::MAX);
+            let Target { system_id: target_system, component_id: target_component } = sender;
+            self.links
+                .send(link, &Message::TIMESYNC(TIMESYNC_DATA { tc1, ts1: data.ts1, target_system, target_component }));
+        }
+    }
+
+    fn answer_ping(&mut self, link: usize, sender: Target, data: &PING_DATA) {
+        // A ping with a target is itself an answer.
+        if data.target_system == 0 && data.target_component == 0 {
+            let Target { system_id: target_system, component_id: target_component } = sender;
+            self.links.send(link, &Message::PING(PING_DATA { target_system, target_component, ..data.clone() }));
+        }
+    }
+}

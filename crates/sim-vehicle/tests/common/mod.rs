@@ -1,0 +1,134 @@
+//! A client of one vehicle, in memory.
+#![allow(dead_code)]
+
+use mavlink_bridge::dialect::{
+    COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, LOCAL_POSITION_NED_DATA, MavCmd, MavFrame, MavResult,
+    Message,
+};
+use mavlink_bridge::{Counters, Encoder, Frame, frames};
+use sim_vehicle::{PeerId, TelemetryRates, Vehicle, VehicleSettings};
+use std::time::Duration;
+
+pub const TARGET: u8 = 7;
+
+pub fn peer(port: u16) -> PeerId {
+    PeerId::from(([127, 0, 0, 1], port))
+}
+
+/// A vehicle without telemetry of its own accord.
+pub fn quiet() -> VehicleSettings {
+    VehicleSettings { system_id: TARGET, rates: TelemetryRates::OFF, ground: None, ..VehicleSettings::default() }
+}
+
+pub struct Client {
+    pub vehicle: Vehicle,
+    pub encoder: Encoder,
+    pub address: PeerId,
+}
+
+impl Client {
+    pub fn new(settings: VehicleSettings) -> Self {
+        Self { vehicle: Vehicle::new(settings).unwrap(), encoder: Encoder::new(255, 190), address: peer(40_000) }
+    }
+
+    pub fn encode(&mut self, message: &Message) -> Vec<u8> {
+        let mut datagram = Vec::new();
+        self.encoder.encode(message, &mut datagram);
+        datagram
+    }
+
+    /// Sends a message and gives what comes back to this client.
+    pub fn ask(&mut self, message: &Message) -> Vec<Message> {
+        let datagram = self.encode(message);
+        self.vehicle.handle(self.vehicle.time(), &datagram, self.address);
+        self.collect()
+    }
+
+    pub fn collect(&mut self) -> Vec<Message> {
+        let mut received = Vec::new();
+        while let Some(transmit) = self.vehicle.poll_transmit() {
+            if transmit.to == self.address {
+                received.extend(decode(&transmit.datagram));
+            }
+        }
+        received
+    }
+
+    /// COMMAND_INT, and the result in its acknowledgement.
+    pub fn command_int(&mut self, command: MavCmd, params: [f32; 3], z: f32, frame: MavFrame) -> Option<MavResult> {
+        let [param1, param2, param3] = params;
+        let data = COMMAND_INT_DATA {
+            param1,
+            param2,
+            param3,
+            z,
+            command,
+            frame,
+            target_system: TARGET,
+            ..COMMAND_INT_DATA::DEFAULT
+        };
+        acknowledgement(&self.ask(&Message::COMMAND_INT(data))).map(|ack| {
+            assert_eq!((ack.command, ack.target_system, ack.target_component), (command, 255, 190));
+            ack.result
+        })
+    }
+
+    /// COMMAND_LONG, and the result in its acknowledgement.
+    pub fn command_long(&mut self, command: MavCmd, params: [f32; 3]) -> Option<MavResult> {
+        acknowledgement(&self.ask(&long(TARGET, command, params))).map(|ack| ack.result)
+    }
+
+    pub fn fly(&mut self, seconds: f64) -> Vec<flight_model::State> {
+        let mut track = Vec::new();
+        self.vehicle.advance(self.vehicle.time() + Duration::from_secs_f64(seconds), &mut track);
+        track
+    }
+}
+
+pub fn long(target_system: u8, command: MavCmd, [param1, param2, param3]: [f32; 3]) -> Message {
+    Message::COMMAND_LONG(COMMAND_LONG_DATA {
+        param1,
+        param2,
+        param3,
+        command,
+        target_system,
+        ..COMMAND_LONG_DATA::DEFAULT
+    })
+}
+
+pub fn decode(datagram: &[u8]) -> Vec<Message> {
+    let mut counters = Counters::default();
+    let messages = frames(datagram, &mut counters).map(|frame: Frame<'_>| frame.message().unwrap()).collect();
+    assert_eq!((counters.bad_checksum, counters.malformed_bytes, counters.unknown_message), (0, 0, 0));
+    messages
+}
+
+pub fn acknowledgement(messages: &[Message]) -> Option<COMMAND_ACK_DATA> {
+    let mut acks = messages.iter().filter_map(|message| match message {
+        Message::COMMAND_ACK(ack) => Some(ack.clone()),
+        _ => None,
+    });
+    let ack = acks.next();
+    assert!(acks.next().is_none(), "one acknowledgement for one command");
+    ack
+}
+
+pub fn texts(messages: &[Message]) -> Vec<String> {
+    messages
+        .iter()
+        .filter_map(|message| match message {
+            Message::STATUSTEXT(text) => Some(text.text.to_str().unwrap_or_default().to_owned()),
+            _ => None,
+        })
+        .collect()
+}
+
+pub fn positions(messages: &[Message]) -> Vec<LOCAL_POSITION_NED_DATA> {
+    messages
+        .iter()
+        .filter_map(|message| match message {
+            Message::LOCAL_POSITION_NED(position) => Some(position.clone()),
+            _ => None,
+        })
+        .collect()
+}
