@@ -266,12 +266,12 @@ impl Flights {
             let across = demand_y * cos - demand_x * sin;
             let slowest = commander.speed_min_mps;
             let turning_speed = if speed > slowest { speed } else { slowest };
-            let inverse_speed = 1.0 / turning_speed;
-            let bound = commander.course_change_speed_max * inverse_speed;
-            let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
             let tau_s = commander.speed_time_constant_s;
             let setpoint = clamp(speed + tau_s * along, slowest, commander.speed_max_mps);
-            let change = clamp(tau_s * across * inverse_speed, -bound, bound);
+            let fastest = if setpoint > turning_speed { setpoint } else { turning_speed };
+            let bound = commander.course_change_speed_max / fastest;
+            let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
+            let change = clamp(tau_s * across / turning_speed, -bound, bound);
 
             // Eq. 1, half-way and at the end.
             let (turn_sin, turn_cos) = sincos(change * step.course_gain[0]);
