@@ -3,6 +3,9 @@
 //! Every loop runs over the pigeons and does the same to each without a branch or a call, so the compiler vectorises it.
 //! `terms.rs` and `steering.rs` say the same for one vehicle as one reads it; the tests hold the two together.
 
+// One index runs over a dozen columns at once.
+#![allow(clippy::needless_range_loop)]
+
 use crate::command::Commander;
 use crate::forecast::Passage;
 use crate::polynomial::{ln, sincos};

@@ -47,7 +47,7 @@ impl Pilot {
         Ok(Self {
             look_ahead: LookAhead::new(&controller.law, &controller.look_ahead, dynamics, *control_period_s),
             commander: Commander::new(&controller.law, dynamics, *control_period_s),
-            optimizer: Mslpio::new(settings.optimizer.clone())?,
+            optimizer: Mslpio::new(settings.optimizer)?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
             found: Vec::new(),

@@ -138,7 +138,7 @@ impl Scenario {
     pub fn flock_settings(&self) -> FlockSettings {
         FlockSettings {
             controller: self.controller.clone(),
-            optimizer: self.optimizer.clone(),
+            optimizer: self.optimizer,
             seed: self.seed,
             control_period_s: self.control_period.as_secs_f64(),
             expected: self.expected,
