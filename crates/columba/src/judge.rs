@@ -64,7 +64,13 @@ pub struct Judge {
 
 impl Judge {
     /// `starts` are judged at time zero.
-    pub fn new(starts: &[State], obstacles: &[Obstacle], expected: Expected, safe_distance_m: f64, speed_max_mps: f64) -> Self {
+    pub fn new(
+        starts: &[State],
+        obstacles: &[Obstacle],
+        expected: Expected,
+        safe_distance_m: f64,
+        speed_max_mps: f64,
+    ) -> Self {
         let mut judge = Self {
             obstacles: obstacles.to_vec(),
             expected,
@@ -174,7 +180,8 @@ impl Judge {
             let collides = separation_m < COLLISION_DISTANCE_M;
             if collides && !self.close[index].1 {
                 self.verdict.vehicle_collisions += 1;
-                let text = format!("vehicles {} and {} collided at {at_s:.2} s ({separation_m:.2} m apart)", a + 1, b + 1);
+                let text =
+                    format!("vehicles {} and {} collided at {at_s:.2} s ({separation_m:.2} m apart)", a + 1, b + 1);
                 self.verdict.failure.get_or_insert(text);
             }
             self.close[index].1 = collides;

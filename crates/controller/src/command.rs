@@ -1,5 +1,6 @@
 //! Eq. 2: from the control demand to the inputs of the three autopilots, bounded by what they can fly.
 
+use crate::polynomial::SINCOS_RANGE_RAD;
 use crate::vector::Vec2;
 use crate::{AltitudeLaw, LawSettings, terms};
 use flight_model::{Dynamics, State};
@@ -9,9 +10,6 @@ const PRINTED_ALTITUDE_PERIOD_MAX_S: f64 = 0.2;
 
 /// Greatest course change that one command may ask, rad. Below half a turn, so that the short way round is the way meant.
 const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
-
-/// Greatest turn within one control period, rad: what the look-ahead's sine and cosine take.
-const TURN_MAX_RAD: f64 = 1.5;
 
 /// Turns demands into commands for one kind of vehicle at one control period.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +33,7 @@ impl Commander {
             speed_time_constant_s: tau.speed_s,
             speed_min_mps: limits.speed_min_mps,
             speed_max_mps: limits.speed_max_mps,
-            course_change_max_rad: COURSE_CHANGE_MAX_RAD.min(TURN_MAX_RAD / turned),
+            course_change_max_rad: COURSE_CHANGE_MAX_RAD.min(SINCOS_RANGE_RAD / turned),
             course_change_speed_max: tau.course_s * limits.lateral_acceleration_max_mps2(),
             altitude_time_constants_s: (tau.altitude_a_s, tau.altitude_b_s),
             printed_altitude: match law.altitude_law {

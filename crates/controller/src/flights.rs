@@ -6,13 +6,48 @@
 use crate::command::Commander;
 use crate::forecast::Passage;
 use crate::polynomial::{ln, sincos};
+use crate::steering::half_angle;
 use crate::{Expected, LawSettings, Obstacle, ObstacleRule};
 use flight_model::State;
 
 /// Pigeons that fly together; a larger generation flies in several batches.
 pub const BATCH: usize = 64;
 
+/// Batches are rounded up to this, the width of the widest vectors.
+const VECTOR: usize = 8;
+
 type Each = [f64; BATCH];
+
+/// What is near the box of all pigeons may be near one of them; what is not is passed over for all at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    low: (f64, f64),
+    high: (f64, f64),
+}
+
+impl Extent {
+    /// Whether a place is within a distance of the box.
+    #[inline(always)]
+    pub fn is_within(&self, x_m: f64, y_m: f64, distance_m: f64) -> bool {
+        let dx = (self.low.0 - x_m).max(x_m - self.high.0).max(0.0);
+        let dy = (self.low.1 - y_m).max(y_m - self.high.1).max(0.0);
+        dx * dx + dy * dy <= distance_m * distance_m
+    }
+}
+
+impl Extent {
+    /// Whether a circle can reach into the corridor of this half width that runs from a place in the box along `ahead`.
+    #[inline(always)]
+    pub fn may_be_blocked(&self, x_m: f64, y_m: f64, half_width_m: f64, ahead: (f64, f64)) -> bool {
+        let offset = (x_m - 0.5 * (self.low.0 + self.high.0), y_m - 0.5 * (self.low.1 + self.high.1));
+        let half = (0.5 * (self.high.0 - self.low.0), 0.5 * (self.high.1 - self.low.1));
+        let along_m = offset.0 * ahead.0 + offset.1 * ahead.1 + (half.0 * ahead.0.abs() + half.1 * ahead.1.abs());
+        let across_m =
+            (ahead.0 * offset.1 - ahead.1 * offset.0).abs() - (half.0 * ahead.1.abs() + half.1 * ahead.0.abs());
+        // A micrometre for the rounding of the box against that of the law.
+        along_m > -1e-6 && across_m < half_width_m + 1e-6
+    }
+}
 
 /// The vehicles of a batch, one for each pigeon, and what the law has summed up for them so far.
 pub struct Flights {
@@ -76,23 +111,41 @@ impl Flights {
     /// Puts `pigeons` vehicles at `state`, with no cost and no violation yet.
     #[inline(always)]
     pub fn start(&mut self, state: &State, pigeons: usize) {
-        self.count = pigeons.next_multiple_of(8).min(BATCH);
+        self.count = pigeons.next_multiple_of(VECTOR).min(BATCH);
         let (sin, cos) = libm::sincos(state.course_rad);
-        self.x.fill(state.x_m);
-        self.y.fill(state.y_m);
-        self.speed.fill(state.speed_mps);
-        self.cos.fill(cos);
-        self.sin.fill(sin);
-        self.vx.fill(state.speed_mps * cos);
-        self.vy.fill(state.speed_mps * sin);
-        self.cost_1.fill(0.0);
-        self.cost_2.fill(0.0);
-        self.violation_m.fill(0.0);
+        let count = self.count;
+        for (quantity, value) in [
+            (&mut self.x, state.x_m),
+            (&mut self.y, state.y_m),
+            (&mut self.speed, state.speed_mps),
+            (&mut self.cos, cos),
+            (&mut self.sin, sin),
+            (&mut self.vx, state.speed_mps * cos),
+            (&mut self.vy, state.speed_mps * sin),
+            (&mut self.cost_1, 0.0),
+            (&mut self.cost_2, 0.0),
+            (&mut self.violation_m, 0.0),
+        ] {
+            quantity[..count].fill(value);
+        }
+    }
+
+    /// The box around all pigeons.
+    #[inline(always)]
+    pub fn extent(&self) -> Extent {
+        extent(&self.x, &self.y, self.count)
+    }
+
+    /// The box around all pigeons half-way through the last step.
+    #[inline(always)]
+    pub fn extent_half_way(&self) -> Extent {
+        extent(&self.middle_x, &self.middle_y, self.count)
     }
 
     /// Forgets the terms of the last step.
     #[inline(always)]
     pub fn clear_terms(&mut self) {
+        let count = self.count.min(BATCH);
         for sum in [
             &mut self.formation_x,
             &mut self.formation_y,
@@ -104,9 +157,9 @@ impl Flights {
             &mut self.to_y,
             &mut self.inflated,
         ] {
-            sum.fill(0.0);
+            sum[..count].fill(0.0);
         }
-        self.least.fill(f64::INFINITY);
+        self.least[..count].fill(f64::INFINITY);
     }
 
     /// Adds one neighbour's share of Eq. 5, 6 and 8 (without their gains) and, where `judged`, of Eq. 12.
@@ -175,15 +228,15 @@ impl Flights {
     pub fn advance(&mut self, step: &Step, law: &LawSettings, expected: &Expected, weights: &[Each; 3]) {
         let (ahead_x, ahead_y) = expected.direction();
         let commander = step.commander;
-        let margin_m = if law.obstacle_margin_m > 1e-3 { law.obstacle_margin_m } else { 1e-3 };
         for i in 0..self.count.min(BATCH) {
             let (cos, sin, speed) = (self.cos[i], self.sin[i], self.speed[i]);
 
             // The tangent of the steering obstacle that needs the smaller turn.
             let distance = (self.to_x[i] * self.to_x[i] + self.to_y[i] * self.to_y[i]).sqrt();
             let distance = if distance > 1e-9 { distance } else { 1e-9 };
-            let (centre_x, centre_y) = (self.to_x[i] / distance, self.to_y[i] / distance);
-            let (half_sin, half_cos) = half_angle(distance, self.inflated[i], margin_m);
+            let inverse = 1.0 / distance;
+            let (centre_x, centre_y) = (self.to_x[i] * inverse, self.to_y[i] * inverse);
+            let (half_sin, half_cos) = half_angle(distance, self.inflated[i], law.obstacle_margin_m);
             let right_x = centre_x * half_cos - centre_y * half_sin;
             let right_y = centre_y * half_cos + centre_x * half_sin;
             let left_x = centre_x * half_cos + centre_y * half_sin;
@@ -213,11 +266,12 @@ impl Flights {
             let across = demand_y * cos - demand_x * sin;
             let slowest = commander.speed_min_mps;
             let turning_speed = if speed > slowest { speed } else { slowest };
-            let bound = commander.course_change_speed_max / turning_speed;
+            let inverse_speed = 1.0 / turning_speed;
+            let bound = commander.course_change_speed_max * inverse_speed;
             let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
             let tau_s = commander.speed_time_constant_s;
             let setpoint = clamp(speed + tau_s * along, slowest, commander.speed_max_mps);
-            let change = clamp(tau_s * across / turning_speed, -bound, bound);
+            let change = clamp(tau_s * across * inverse_speed, -bound, bound);
 
             // Eq. 1, half-way and at the end.
             let (turn_sin, turn_cos) = sincos(change * step.course_gain[0]);
@@ -286,17 +340,23 @@ fn add_shortfall(sum: &mut Each, x: &Each, y: &Each, count: usize, place_m: (f64
     }
 }
 
-/// Sine and cosine of the angle between the centre of an inflated circle and its tangent, as `steering::tangent` has it.
 #[inline(always)]
-fn half_angle(distance: f64, inflated: f64, margin_m: f64) -> (f64, f64) {
-    let sin = inflated / distance;
-    let squared = if sin < 1.0 { sin * sin } else { 1.0 };
-    let cos = (1.0 - squared).sqrt();
-    let outward = (inflated - distance) / margin_m;
-    let outward = if outward < 1.0 { outward } else { 1.0 };
-    let inside_sin = 1.0 / (1.0 + outward * outward).sqrt();
-    let inside = sin > 1.0;
-    (if inside { inside_sin } else { sin }, if inside { -outward * inside_sin } else { cos })
+fn extent(x: &Each, y: &Each, count: usize) -> Extent {
+    let ((low_x, high_x), (low_y, high_y)) = (range(&x[..count.min(BATCH)]), range(&y[..count.min(BATCH)]));
+    Extent { low: (low_x, low_y), high: (high_x, high_y) }
+}
+
+/// Least and greatest value; one running value for each place in a vector, so that the loop vectorises.
+#[inline(always)]
+fn range(values: &[f64]) -> (f64, f64) {
+    let (mut low, mut high) = ([f64::INFINITY; VECTOR], [f64::NEG_INFINITY; VECTOR]);
+    for chunk in values.chunks_exact(VECTOR) {
+        for lane in 0..VECTOR {
+            low[lane] = if chunk[lane] < low[lane] { chunk[lane] } else { low[lane] };
+            high[lane] = if chunk[lane] > high[lane] { chunk[lane] } else { high[lane] };
+        }
+    }
+    (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
 #[inline(always)]

@@ -28,6 +28,21 @@ pub struct FlockSettings {
     pub dynamics: Dynamics,
 }
 
+impl FlockSettings {
+    /// The paper's settings in an empty field, T = 0.5 s.
+    pub fn new(expected: Expected) -> Self {
+        Self {
+            controller: ControllerSettings::default(),
+            optimizer: MslpioSettings::default(),
+            seed: 1,
+            control_period_s: 0.5,
+            expected,
+            obstacles: Vec::new(),
+            dynamics: Dynamics::default(),
+        }
+    }
+}
+
 /// What one vehicle is told at one tick, and how that came about.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Decision {
@@ -71,16 +86,35 @@ impl Flock {
     /// Vehicles are solved in parallel on rayon's current pool; the result does not depend on its size. `clock` only
     /// times the solves.
     pub fn tick(&mut self, tick: u64, states: &[State], clock: &(dyn Fn() -> Duration + Sync)) -> &[Decision] {
-        let settings = &self.settings;
-        let steps = settings.controller.look_ahead.steps(settings.control_period_s);
-        self.neighbours.update(states);
-        self.forecast.extrapolate(states, steps, settings.control_period_s);
-        let around = Surroundings { settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
+        self.look_around(states);
+        let around =
+            Surroundings { settings: &self.settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
         self.pilots
             .par_iter_mut()
             .zip(&mut self.decisions)
             .enumerate()
             .for_each(|(vehicle, (pilot, decision))| *decision = pilot.decide(&around, vehicle, tick, clock));
         &self.decisions
+    }
+
+    /// The part of a tick that concerns one vehicle: what it would decide by itself, having heard the others.
+    pub fn decide(
+        &mut self,
+        tick: u64,
+        vehicle: usize,
+        states: &[State],
+        clock: &(dyn Fn() -> Duration + Sync),
+    ) -> Option<Decision> {
+        self.look_around(states);
+        let around =
+            Surroundings { settings: &self.settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
+        Some(self.pilots.get_mut(vehicle)?.decide(&around, vehicle, tick, clock))
+    }
+
+    fn look_around(&mut self, states: &[State]) {
+        let settings = &self.settings;
+        let steps = settings.controller.look_ahead.steps(settings.control_period_s);
+        self.neighbours.update(states);
+        self.forecast.extrapolate(states, steps, settings.control_period_s);
     }
 }

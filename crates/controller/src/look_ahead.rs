@@ -6,9 +6,9 @@
 //! every half control period. With a horizon of one control period this is the letter of the paper.
 
 use crate::command::Commander;
-use crate::flights::{BATCH, Flights, Step};
+use crate::flights::{BATCH, Extent, Flights, Step};
 use crate::forecast::Passage;
-use crate::{Expected, LawSettings, LookAheadSettings, Obstacle, WeightKind};
+use crate::{Expected, LawSettings, LookAheadSettings, Obstacle, ObstacleRule, WeightKind};
 use flight_model::{Dynamics, State};
 use multiversion::multiversion;
 use optimizer::{Bounds, Candidates, Evaluations, Problem};
@@ -22,7 +22,6 @@ pub struct LookAhead {
     clearance_m: f64,
     steps: usize,
     period_s: f64,
-    speed_max_mps: f64,
     speed_decay: [f64; 2],
     course_gain: [f64; 2],
 }
@@ -65,7 +64,6 @@ impl LookAhead {
             clearance_m: look_ahead.clearance_m,
             steps: look_ahead.steps(period_s),
             period_s,
-            speed_max_mps: dynamics.limits.speed_max_mps,
             speed_decay: decays(tau.speed_s),
             course_gain: decays(tau.course_s).map(|decay| 1.0 - decay),
         }
@@ -82,43 +80,63 @@ impl LookAhead {
         };
         let law = &self.law;
         let expected = &scene.expected;
+        let ahead = expected.direction();
         flights.start(&scene.state, pigeons);
         for k in 0..=self.steps {
             flights.clear_terms();
-            self.meet_neighbours(scene, k, flights);
+            let here = flights.extent();
+            self.meet_neighbours(scene, k, &here, flights);
+            if k > 0 {
+                self.keep_clear(scene, k, &here, flights);
+            }
             if k == self.steps {
                 break;
             }
             for obstacle in scene.obstacles {
-                flights.offer_obstacle(law, expected, obstacle);
+                let inflated_m = obstacle.radius_m + law.obstacle_margin_m;
+                if law.obstacle_rule == ObstacleRule::Nearest
+                    || here.may_be_blocked(obstacle.x_m, obstacle.y_m, inflated_m, ahead)
+                {
+                    flights.offer_obstacle(law, expected, obstacle);
+                }
             }
             flights.advance(&step, law, expected, weights);
             flights.add_progress(expected, scene.detected);
-            for obstacle in scene.close_obstacles {
-                let wanted_m = obstacle.radius_m + self.clearance_m;
-                flights.keep_off_half_way(obstacle.x_m, obstacle.y_m, wanted_m);
-                flights.keep_off(obstacle.x_m, obstacle.y_m, wanted_m);
+        }
+    }
+
+    /// The neighbours' terms at the `k`-th control period.
+    #[inline(always)]
+    fn meet_neighbours(&self, scene: &Scene<'_>, k: usize, here: &Extent, flights: &mut Flights) {
+        let range_m = self.law.communication_distance_m.max(self.law.safe_distance_m);
+        for passages in scene.neighbours.chunks_exact(1 + 2 * self.steps) {
+            let there = &passages[2 * k];
+            if here.is_within(there.x_m, there.y_m, range_m) {
+                flights.add_neighbour(&self.law, there, k > 0);
             }
         }
     }
 
-    /// The neighbours' terms at the `k`-th control period, and the constraint since the one before. A neighbour that no
-    /// choice of weights can bring near by then is passed over.
+    /// Both constraints at the `k`-th control period and half a period before.
     #[inline(always)]
-    fn meet_neighbours(&self, scene: &Scene<'_>, k: usize, flights: &mut Flights) {
-        let range_m = self.law.communication_distance_m.max(self.separation_m).max(self.law.safe_distance_m);
-        let reach_m = range_m + self.speed_max_mps * self.period_s * k as f64;
+    fn keep_clear(&self, scene: &Scene<'_>, k: usize, here: &Extent, flights: &mut Flights) {
+        let half_way = flights.extent_half_way();
         for passages in scene.neighbours.chunks_exact(1 + 2 * self.steps) {
-            let there = &passages[2 * k];
-            let (dx, dy) = (there.x_m - scene.state.x_m, there.y_m - scene.state.y_m);
-            if dx * dx + dy * dy > reach_m * reach_m {
-                continue;
+            let (before, there) = (&passages[2 * k - 1], &passages[2 * k]);
+            if half_way.is_within(before.x_m, before.y_m, self.separation_m) {
+                flights.keep_off_half_way(before.x_m, before.y_m, self.separation_m);
             }
-            flights.add_neighbour(&self.law, there, k > 0);
-            if k > 0 {
-                let half_way = &passages[2 * k - 1];
-                flights.keep_off_half_way(half_way.x_m, half_way.y_m, self.separation_m);
+            if here.is_within(there.x_m, there.y_m, self.separation_m) {
                 flights.keep_off(there.x_m, there.y_m, self.separation_m);
+            }
+        }
+        for obstacle in scene.close_obstacles {
+            let wanted_m = obstacle.radius_m + self.clearance_m;
+            if half_way.is_within(obstacle.x_m, obstacle.y_m, wanted_m) {
+                flights.keep_off_half_way(obstacle.x_m, obstacle.y_m, wanted_m);
+            }
+            if here.is_within(obstacle.x_m, obstacle.y_m, wanted_m) {
+                flights.keep_off(obstacle.x_m, obstacle.y_m, wanted_m);
             }
         }
     }

@@ -48,17 +48,22 @@ fn tangent(law: &LawSettings, position_m: Vec2, heading: Vec2, obstacle: &Obstac
     let offset = Vec2::new(obstacle.x_m, obstacle.y_m) - position_m;
     let distance_m = offset.norm().max(f64::MIN_POSITIVE);
     let to_centre = offset * (1.0 / distance_m);
-    let sin = (obstacle.radius_m + law.obstacle_margin_m) / distance_m;
-    let (sin, cos) = if sin <= 1.0 {
-        (sin, (1.0 - sin * sin).sqrt())
-    } else {
-        // Outwards by up to 45 degrees where the edge itself is reached.
-        let depth_m = obstacle.radius_m + law.obstacle_margin_m - distance_m;
-        let outward = (depth_m / law.obstacle_margin_m.max(1e-3)).min(1.0);
-        let norm = (1.0 + outward * outward).sqrt();
-        (1.0 / norm, -outward / norm)
-    };
+    let inflated_m = obstacle.radius_m + law.obstacle_margin_m;
+    let (sin, cos) = half_angle(distance_m, inflated_m, law.obstacle_margin_m);
     let right = Vec2::new(to_centre.x * cos - to_centre.y * sin, to_centre.y * cos + to_centre.x * sin);
     let left = Vec2::new(to_centre.x * cos + to_centre.y * sin, to_centre.y * cos - to_centre.x * sin);
     if right.dot(heading) >= left.dot(heading) { right } else { left }
+}
+
+/// Sine and cosine of the angle at the vehicle between the centre of an inflated circle and its tangent. Inside, beyond a
+/// right angle, by up to 45 degrees where the edge itself is reached.
+#[inline(always)]
+pub(crate) fn half_angle(distance_m: f64, inflated_m: f64, margin_m: f64) -> (f64, f64) {
+    let inside = distance_m < inflated_m;
+    let margin_m = if margin_m > 1e-3 { margin_m } else { 1e-3 };
+    let depth = (inflated_m - distance_m) / margin_m;
+    let outward = std::f64::consts::FRAC_1_SQRT_2 * if depth < 1.0 { depth } else { 1.0 };
+    let leg = if inside { outward } else { inflated_m / distance_m };
+    let other = (1.0 - leg * leg).sqrt();
+    (if inside { other } else { leg }, if inside { -leg } else { other })
 }

@@ -143,7 +143,8 @@ impl Craft {
     fn take_position(&mut self, data: &LOCAL_POSITION_NED_DATA, now: Duration) -> bool {
         let state = state_from_local_position(data);
         // Half of the clock's range apart, the order of two times is that of their difference, wrapped or not.
-        let is_older = self.position.is_some_and(|last| data.time_boot_ms.wrapping_sub(last.time_boot_ms) > u32::MAX / 2);
+        let is_older =
+            self.position.is_some_and(|last| data.time_boot_ms.wrapping_sub(last.time_boot_ms) > u32::MAX / 2);
         if is_older || !state.is_finite() {
             return false;
         }

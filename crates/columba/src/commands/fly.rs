@@ -21,7 +21,8 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
     let (flight, log) = block_on(async {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
-        let mut ground = Ground::bind(&scenario, address).context("the controller's port ([link] ground_port, --ground-port)")?;
+        let mut ground =
+            Ground::bind(&scenario, address).context("the controller's port ([link] ground_port, --ground-port)")?;
         ground.expect(scenario.starts.len(), addresses(&scenario).as_deref());
         if args.lockstep {
             flying::fly_in_lockstep(&scenario, ground, None, &progress, stop).await

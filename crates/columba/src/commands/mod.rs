@@ -64,11 +64,22 @@ fn start_threads(cli: &Cli) -> anyhow::Result<()> {
 
 /// Runs a future on this thread.
 fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
-    tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start the runtime")?.block_on(future)
+    tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .context("cannot start the runtime")?
+        .block_on(future)
 }
 
 /// Writes what a flight leaves behind, says where, and how it ended.
-fn conclude(cli: &Cli, scenario: &Scenario, folder: &RunFolder, flight: &Flight, log: Option<Log>, with_report: bool) -> Result<(), Failure> {
+fn conclude(
+    cli: &Cli,
+    scenario: &Scenario,
+    folder: &RunFolder,
+    flight: &Flight,
+    log: Option<Log>,
+    with_report: bool,
+) -> Result<(), Failure> {
     record::write(folder, flight)?;
     if let Some(log) = log {
         log.write(folder)?;

@@ -42,8 +42,9 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
 /// The vehicles on a thread of their own, the controller on this one.
 fn over_udp(scenario: &Scenario, speed: Option<f64>, progress: &Progress, stop: Stop) -> anyhow::Result<(Flight, Log)> {
     block_on(async {
-        let mut ground = Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
-            .context("the controller's port ([link] ground_port, --ground-port)")?;
+        let mut ground =
+            Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
+                .context("the controller's port ([link] ground_port, --ground-port)")?;
         let (clock, base_port, epoch_us) = match speed {
             None => {
                 let lockstep = LockstepSettings { period: scenario.control_period, ..LockstepSettings::default() };
@@ -63,7 +64,8 @@ fn over_udp(scenario: &Scenario, speed: Option<f64>, progress: &Progress, stop: 
         let (tell_addresses, addresses) = oneshot::channel();
         let host: JoinHandle<anyhow::Result<HostReport>> = std::thread::spawn(move || {
             block_on(async move {
-                let host = Host::bind(&settings, vehicles).context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
+                let host = Host::bind(&settings, vehicles)
+                    .context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
                 let _ = tell_addresses.send(host.addresses().to_vec());
                 Ok(host.run(observer, stopped).await?)
             })

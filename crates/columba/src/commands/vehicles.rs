@@ -42,7 +42,8 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     let settings = flying::host_settings(&scenario, clock, base_port, link);
     let vehicles = flying::vehicle_settings(&scenario, Some(ground), epoch_us);
     let report = block_on(async {
-        let host = Host::bind(&settings, vehicles.clone()).context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
+        let host = Host::bind(&settings, vehicles.clone())
+            .context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
         if args.json || !cli.quiet {
             let table = table(&vehicles, host.addresses(), ground, args.json);
             // Scripts wait for this: it must not stay in a buffer.
@@ -72,7 +73,8 @@ fn table(vehicles: &[VehicleSettings], addresses: &[SocketAddr], ground: SocketA
             .collect();
         return format!("{}\n", serde_json::json!({ "ground": ground.to_string(), "vehicles": rows }));
     }
-    let mut table = format!("{:>7} {:>6}  {:<21} {:>9} {:>9} {:>8}\n", "vehicle", "system", "listens on", "x m", "y m", "alt m");
+    let mut table =
+        format!("{:>7} {:>6}  {:<21} {:>9} {:>9} {:>8}\n", "vehicle", "system", "listens on", "x m", "y m", "alt m");
     for (index, (vehicle, address)) in rows {
         let start = vehicle.start;
         table += &format!(

@@ -64,7 +64,11 @@ pub fn tables(file: &ScenarioFile, faults: &mut Faults) {
 fn scenario(file: &ScenarioFile, faults: &mut Faults) {
     let table = &file.scenario;
     if table.name.trim().is_empty() || table.name.chars().any(char::is_control) {
-        faults.add("scenario.name", format!("{:?}", table.name), "a name of at least one visible character on one line");
+        faults.add(
+            "scenario.name",
+            format!("{:?}", table.name),
+            "a name of at least one visible character on one line",
+        );
     }
     faults.above("scenario.control_period_s", table.control_period_s, 0.0, 10.0);
     faults.within("scenario.duration_s", table.duration_s, table.control_period_s.max(0.0), 86_400.0);
@@ -74,7 +78,11 @@ fn scenario(file: &ScenarioFile, faults: &mut Faults) {
     let (period_s, step_s) = (table.control_period_s, file.dynamics.integration_step_s);
     faults.within("dynamics.integration_step_s", step_s, 0.001, 0.1);
     if !is_multiple(period_s, 0.001) || !is_multiple(period_s, step_s) {
-        faults.add("scenario.control_period_s", period_s, format!("whole milliseconds and a multiple of dynamics.integration_step_s = {step_s}"));
+        faults.add(
+            "scenario.control_period_s",
+            period_s,
+            format!("whole milliseconds and a multiple of dynamics.integration_step_s = {step_s}"),
+        );
     }
     if !is_multiple(step_s, 0.001) {
         faults.add("dynamics.integration_step_s", step_s, "whole milliseconds");
@@ -116,7 +124,9 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
         }
     }
     match (file.vehicle.len(), &file.vehicles) {
-        (0, None) => faults.add("vehicle", "none", "at least one [[vehicle]], or [vehicles] with a count: the flock is empty"),
+        (0, None) => {
+            faults.add("vehicle", "none", "at least one [[vehicle]], or [vehicles] with a count: the flock is empty")
+        }
         (count, Some(_)) if count > 0 => {
             faults.add("vehicles", "beside [[vehicle]]", "either [[vehicle]] tables or one [vehicles], not both");
         }
@@ -206,13 +216,15 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     }
     let count = file.vehicle.len().max(file.vehicles.map_or(0, |pattern| pattern.count));
     if let Some(port) = link.vehicle_port.filter(|&port| port > 0 && usize::from(port) + count > 65_536) {
-        faults.add("link.vehicle_port", port, format!("at most {} for {count} vehicles", 65_536_usize.saturating_sub(count)));
+        faults.add(
+            "link.vehicle_port",
+            port,
+            format!("at most {} for {count} vehicles", 65_536_usize.saturating_sub(count)),
+        );
     }
-    for (key, value) in [
-        ("link.loss", link.loss),
-        ("link.duplication", link.duplication),
-        ("link.reordering", link.reordering),
-    ] {
+    for (key, value) in
+        [("link.loss", link.loss), ("link.duplication", link.duplication), ("link.reordering", link.reordering)]
+    {
         // A link that loses everything would wait for ever.
         faults.within(key, value, 0.0, 0.95);
     }
@@ -239,7 +251,10 @@ pub fn starts(scenario: &Scenario, faults: &mut Faults) {
             }
             if dx * dx + dy * dy < COLLISION_DISTANCE_M * COLLISION_DISTANCE_M {
                 let place = format!("at x {} m, y {} m", scenario.starts[a.max(b)].x_m, scenario.starts[a.max(b)].y_m);
-                let wanted = format!("at least {COLLISION_DISTANCE_M} m from vehicle {}, which starts in the same place", a.min(b) + 1);
+                let wanted = format!(
+                    "at least {COLLISION_DISTANCE_M} m from vehicle {}, which starts in the same place",
+                    a.min(b) + 1
+                );
                 faults.add(key(a.max(b)), place, wanted);
             }
         }
@@ -249,7 +264,8 @@ pub fn starts(scenario: &Scenario, faults: &mut Faults) {
             let clearance_m = obstacle.clearance_m(start.x_m, start.y_m);
             if clearance_m <= 0.0 {
                 let place = format!("at x {} m, y {} m", start.x_m, start.y_m);
-                let wanted = format!("outside obstacle {} (it starts {:.2} m inside its edge)", number + 1, -clearance_m);
+                let wanted =
+                    format!("outside obstacle {} (it starts {:.2} m inside its edge)", number + 1, -clearance_m);
                 faults.add(key(index), place, wanted);
             }
         }

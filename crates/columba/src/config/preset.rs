@@ -14,7 +14,8 @@ pub fn apply(file: &mut ScenarioFile, source: &Source) -> Result<(), ConfigError
         Preset::Literal => ControllerSettings::literal(),
     };
     let document = source.document();
-    let written = |table: &str| document.as_ref().and_then(|document| document.get(table)).and_then(Item::as_table_like);
+    let written =
+        |table: &str| document.as_ref().and_then(|document| document.get(table)).and_then(Item::as_table_like);
     file.law = overlay(&base.law, written("law")).unwrap_or(base.law);
     file.weights = overlay(&base.weights, written("weights")).unwrap_or(base.weights);
     file.look_ahead = overlay(&base.look_ahead, written("look_ahead")).unwrap_or(base.look_ahead);

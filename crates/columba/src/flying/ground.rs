@@ -246,7 +246,11 @@ fn command(command: MavCmd, param1: f32, param2: f32) -> COMMAND_LONG_DATA {
 
 fn name(vehicles: &[usize]) -> String {
     let shown: Vec<String> = vehicles.iter().take(8).map(|vehicle| (vehicle + 1).to_string()).collect();
-    let more = if vehicles.len() > shown.len() { format!(" and {} more", vehicles.len() - shown.len()) } else { String::new() };
+    let more = if vehicles.len() > shown.len() {
+        format!(" and {} more", vehicles.len() - shown.len())
+    } else {
+        String::new()
+    };
     let plural = if vehicles.len() == 1 { "vehicle" } else { "vehicles" };
     format!("{plural} {}{more}", shown.join(", "))
 }
