@@ -3,6 +3,7 @@
 use super::{Log, Stop, vehicles::system_id};
 use crate::config::Scenario;
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
+use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{
     Counters, Encoder, Fleet, Identity, LinkError, LinkSettings, News, SequenceTracker, Target, UdpLink, messages,
 };
@@ -17,6 +18,8 @@ const GROUND: (u8, u8) = (255, 190);
 const GUIDED: u32 = 15;
 /// A command that is not answered, or not accepted, is sent again after this.
 const RETRY: Duration = Duration::from_millis(250);
+/// Vehicles that have said nothing yet are greeted this often.
+const GREETING: Duration = Duration::from_secs(1);
 
 /// Why the ground cannot fly.
 #[derive(Debug, thiserror::Error)]
@@ -145,9 +148,11 @@ impl Ground {
         self.fleet.crafts().get(vehicle).map_or_else(Target::default, |craft| craft.target)
     }
 
-    /// Waits until every vehicle has said where it is.
+    /// Waits until every vehicle has said where it is, and speaks first to those whose address is known: their telemetry
+    /// may go to somebody else until they are spoken to.
     pub async fn muster(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
         let deadline = Instant::now() + patience;
+        let mut greeting = tokio::time::interval(GREETING);
         let mut news = Vec::new();
         loop {
             let silent = |ground: &Self| -> Vec<usize> {
@@ -160,6 +165,9 @@ impl Ground {
             tokio::select! {
                 () = stopped(stop) => return Err(GroundError::Interrupted),
                 received = self.recv(at_us, &mut news) => received?,
+                _ = greeting.tick() => for vehicle in silent(self) {
+                    self.send(vehicle, &[ground_heartbeat()], at_us).await;
+                },
                 () = tokio::time::sleep_until(deadline) => {
                     return Err(GroundError::Silent { missing: silent(self), waited: patience });
                 }

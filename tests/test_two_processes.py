@@ -1,0 +1,53 @@
+"""Vehicles and controller as two programs: through a bad network in lockstep, and in real time."""
+
+import math
+
+import pytest
+import tlog
+from conftest import free_port
+from proxy import LossyProxy
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.2])
+def test_in_lockstep_through_a_proxy_the_flight_is_that_of_a_run(fly, flown, start_vehicles, loss):
+    ground_port = free_port()
+    with LossyProxy(ground_port, loss) as proxy:
+        start_vehicles("--lockstep", ground_port=proxy.port)
+        run = fly("fly", "--lockstep", "--seed", 7, "--ground-port", ground_port)
+        lost_share = proxy.lost / (proxy.lost + proxy.passed)
+    assert run.status == 0, run.errors
+    assert run.trajectory_bytes == flown.trajectory_bytes
+    assert lost_share == pytest.approx(loss, abs=0.05)
+
+
+def test_in_real_time_the_flock_flies_what_the_controller_says(fly, start_vehicles):
+    ground_port = free_port()
+    start_vehicles("--speed", 10, ground_port=ground_port)
+    run = fly("fly", "--speed", 10, "--duration", 10, "--ground-port", ground_port)
+    assert run.status == 0, run.errors
+    summary = run.summary
+    assert (summary["transport"], summary["duration_s"]) == ("real-time", 10)
+    assert summary["real_time_factor"] == pytest.approx(10, rel=0.15)
+    assert summary["obstacle_collisions"] == summary["vehicle_collisions"] == 0
+    # In every acknowledgement of a guided command: accepted.
+    acks = [message for message in tlog.messages(run.tlog) if message.get_type() == "COMMAND_ACK"]
+    assert len(acks) > 5 * 10
+    assert {ack.result for ack in acks} == {0}
+    # From tick to tick a vehicle comes on by what it flies, to within what a loaded machine is late.
+    rows = run.trajectory
+    assert len(rows) == 5 * 21
+    for before, after in zip(rows, rows[5:]):
+        way_m = math.dist((before["x_m"], before["y_m"]), (after["x_m"], after["y_m"]))
+        assert way_m == pytest.approx(0.25 * (before["speed_mps"] + after["speed_mps"]), abs=3)
+
+
+def test_one_program_in_real_time(fly):
+    run = fly("run", "--speed", 10, "--duration", 10, "--vehicle-port", 0)
+    assert run.status == 0, run.errors
+    assert (run.summary["transport"], run.summary["duration_s"]) == ("real-time", 10)
+
+
+def test_a_controller_without_vehicles_says_who_is_silent(fly):
+    run = fly("fly", "--speed", 10, "--ground-port", free_port())
+    assert run.status == 1
+    assert "said nothing" in run.errors
