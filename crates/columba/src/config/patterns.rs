@@ -34,7 +34,10 @@ fn offsets(table: &PatternTable, seed: u64) -> Vec<(f64, f64)> {
             .map(|i| {
                 let rank = i.div_ceil(2) as f64;
                 let side = if i % 2 == 1 { -1.0 } else { 1.0 };
-                (-rank * spacing_m * std::f64::consts::FRAC_1_SQRT_2, side * rank * spacing_m * std::f64::consts::FRAC_1_SQRT_2)
+                (
+                    -rank * spacing_m * std::f64::consts::FRAC_1_SQRT_2,
+                    side * rank * spacing_m * std::f64::consts::FRAC_1_SQRT_2,
+                )
             })
             .collect(),
         Pattern::Random => random(count, columns as f64 * spacing_m, 0.5 * spacing_m, seed),
