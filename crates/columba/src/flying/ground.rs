@@ -88,10 +88,12 @@ impl Ground {
         }));
     }
 
+    /// Where vehicles find the ground, with the port that was really bound.
     pub fn address(&self) -> Result<SocketAddr, LinkError> {
         self.link.local_addr()
     }
 
+    /// What was heard of every vehicle.
     pub fn fleet(&self) -> &Fleet {
         &self.fleet
     }
@@ -141,6 +143,7 @@ impl Ground {
         }
     }
 
+    /// Whom a message to this vehicle names; everybody where it is not known.
     pub fn target(&self, vehicle: usize) -> Target {
         self.fleet.crafts().get(vehicle).map_or_else(Target::default, |craft| craft.target)
     }
@@ -238,7 +241,11 @@ fn command(command: MavCmd, param1: f32, param2: f32) -> COMMAND_LONG_DATA {
 
 fn name(vehicles: &[usize]) -> String {
     let shown: Vec<String> = vehicles.iter().take(8).map(|vehicle| (vehicle + 1).to_string()).collect();
-    let more = if vehicles.len() > shown.len() { format!(" and {} more", vehicles.len() - shown.len()) } else { String::new() };
+    let more = if vehicles.len() > shown.len() {
+        format!(" and {} more", vehicles.len() - shown.len())
+    } else {
+        String::new()
+    };
     let plural = if vehicles.len() == 1 { "vehicle" } else { "vehicles" };
     format!("{plural} {}{more}", shown.join(", "))
 }

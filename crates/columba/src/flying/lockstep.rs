@@ -109,8 +109,12 @@ impl Lockstep {
     async fn gather(&mut self, ground: &mut Ground, stop: &mut Stop) -> Result<(), GroundError> {
         let now_ms = boot_ms(self.now);
         let mut news = Vec::new();
-        let mut behind: Vec<bool> =
-            ground.fleet().crafts().iter().map(|craft| craft.position.map(|at| at.time_boot_ms) != Some(now_ms)).collect();
+        let mut behind: Vec<bool> = ground
+            .fleet()
+            .crafts()
+            .iter()
+            .map(|craft| craft.position.map(|at| at.time_boot_ms) != Some(now_ms))
+            .collect();
         let mut missing = behind.iter().filter(|behind| **behind).count();
         let mut deadline = tokio::time::Instant::now() + PATIENCE;
         while missing > 0 {

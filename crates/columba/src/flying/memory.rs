@@ -39,7 +39,9 @@ pub fn fly(scenario: &Scenario, progress: &Progress, stop: &Stop) -> anyhow::Res
         flown += scenario.control_period;
         for ((vehicle, decision), track) in vehicles.iter_mut().zip(decisions).zip(&mut tracks) {
             track.clear();
-            vehicle.command(&wire_round_setpoint(&decision.setpoint)).context("a simulated vehicle refused a setpoint")?;
+            vehicle
+                .command(&wire_round_setpoint(&decision.setpoint))
+                .context("a simulated vehicle refused a setpoint")?;
             vehicle.advance(flown, track);
         }
         recorder.truth(t_s, step_s, &tracks);

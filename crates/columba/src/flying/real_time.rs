@@ -39,7 +39,8 @@ pub async fn fly(
     mut stop: Stop,
 ) -> anyhow::Result<(Flight, Log)> {
     let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
-    let mut flight = RealTime { pace, started: Instant::now(), elapsed: Duration::ZERO, warned: vec![false; scenario.starts.len()] };
+    let mut flight =
+        RealTime { pace, started: Instant::now(), elapsed: Duration::ZERO, warned: vec![false; scenario.starts.len()] };
     let mustered = match ground.muster(MUSTER_PATIENCE, unix_us(), &mut stop).await {
         Ok(()) => ground.engage(MUSTER_PATIENCE, unix_us(), &mut stop).await,
         Err(error) => Err(error),
@@ -94,7 +95,9 @@ impl RealTime {
             let Some(states) = self.states(ground) else { continue };
             if tick > 0 {
                 match truth.as_mut().map(Truth::take) {
-                    Some((start, tracks)) => recorder.truth(start.saturating_sub(offset).as_secs_f64(), step_s, &tracks),
+                    Some((start, tracks)) => {
+                        recorder.truth(start.saturating_sub(offset).as_secs_f64(), step_s, &tracks)
+                    }
                     None => {
                         let tracks: Vec<Vec<State>> = states.iter().map(|state| vec![*state]).collect();
                         recorder.truth(before.as_secs_f64(), scenario.control_period.as_secs_f64(), &tracks);

@@ -48,7 +48,8 @@ impl Recorder {
 
     /// A tick: what the controller saw and decided at `t_s`.
     pub fn tick(&mut self, t_s: f64, states: &[State], decisions: &[Decision]) {
-        let solve_us = decisions.iter().map(|d| d.solve.as_secs_f64() * 1e6).sum::<f64>() / decisions.len().max(1) as f64;
+        let solve_us =
+            decisions.iter().map(|d| d.solve.as_secs_f64() * 1e6).sum::<f64>() / decisions.len().max(1) as f64;
         self.solves.extend(decisions.iter().map(|decision| decision.solve));
         let rows = states.iter().zip(decisions).map(|(state, decision)| Row {
             state: *state,
@@ -56,10 +57,8 @@ impl Recorder {
             alpha: decision.weights,
         });
         let Minima { separation_m, clearance_m } = self.minima;
-        self.trajectory.push(
-            Tick { t_s, min_separation_m: separation_m, min_clearance_m: clearance_m, solve_us },
-            rows,
-        );
+        self.trajectory
+            .push(Tick { t_s, min_separation_m: separation_m, min_clearance_m: clearance_m, solve_us }, rows);
     }
 
     /// The end of a flight: where it left the vehicles, who have no further setpoint.

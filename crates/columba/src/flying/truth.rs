@@ -2,8 +2,8 @@
 
 use flight_model::State;
 use sim_vehicle::{Advance, Observer};
-use std::sync::mpsc::{Receiver, channel};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 /// A stretch of one vehicle's flight.
