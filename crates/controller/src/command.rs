@@ -54,10 +54,15 @@ impl Commander {
         let setpoint_mps =
             (speed_mps + self.speed_time_constant_s * along_mps2).clamp(self.speed_min_mps, self.speed_max_mps);
         let turning_speed_mps = speed_mps.max(self.speed_min_mps);
-        // The faster it gets on the way, the lower the limit.
-        let bound_rad =
-            self.course_change_max_rad.min(self.course_change_speed_max / turning_speed_mps.max(setpoint_mps));
+        let bound_rad = self.course_bound_rad(speed_mps, setpoint_mps);
         (setpoint_mps, (self.speed_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad))
+    }
+
+    /// Greatest course change that the vehicle can follow below its limit of turn rate, rad; the faster it is or gets on
+    /// the way, the lower.
+    pub fn course_bound_rad(&self, speed_mps: f64, setpoint_mps: f64) -> f64 {
+        let fastest_mps = speed_mps.max(self.speed_min_mps).max(setpoint_mps);
+        self.course_change_max_rad.min(self.course_change_speed_max / fastest_mps)
     }
 
     /// Altitude setpoint, m: the third line of Eq. 2 with Eq. 9-10 where that settles, else h_e itself (reading 5).

@@ -19,7 +19,8 @@ pub const BATCH: usize = 64;
 /// Batches are rounded up to this, the width of the widest vectors.
 const VECTOR: usize = 8;
 
-type Each = [f64; BATCH];
+/// One number for each pigeon of a batch.
+pub type Each = [f64; BATCH];
 
 /// What is near the box of all pigeons may be near one of them; what is not is passed over for all at once.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +77,8 @@ pub struct Flights {
     to_x: Each,
     to_y: Each,
     inflated: Each,
+    speed_setpoint: Each,
+    course_change: Each,
     pub cost_1: Each,
     pub cost_2: Each,
     pub violation_m: Each,
@@ -105,6 +108,8 @@ impl Flights {
             to_x: ZERO,
             to_y: ZERO,
             inflated: ZERO,
+            speed_setpoint: ZERO,
+            course_change: ZERO,
             cost_1: ZERO,
             cost_2: ZERO,
             violation_m: ZERO,
@@ -224,13 +229,10 @@ impl Flights {
         }
     }
 
-    /// Eq. 4 with each pigeon's weights, Eq. 2, and one control period of Eq. 1.
-    ///
-    /// The position follows Simpson's rule over the period; up to its middle the trapezium is enough for a sample.
+    /// Eq. 4 with each pigeon's weights, then Eq. 2: the command that each follows next.
     #[inline(always)]
-    pub fn advance(&mut self, step: &Step, law: &LawSettings, expected: &Expected, weights: &[Each; 3]) {
+    pub fn follow_law(&mut self, commander: &Commander, law: &LawSettings, expected: &Expected, weights: &[Each; 3]) {
         let (ahead_x, ahead_y) = expected.direction();
-        let commander = step.commander;
         for i in 0..self.count.min(BATCH) {
             let (cos, sin, speed) = (self.cos[i], self.sin[i], self.speed[i]);
 
@@ -274,9 +276,26 @@ impl Flights {
             let fastest = if setpoint > turning_speed { setpoint } else { turning_speed };
             let bound = commander.course_change_speed_max / fastest;
             let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
-            let change = clamp(tau_s * across / turning_speed, -bound, bound);
+            self.course_change[i] = clamp(tau_s * across / turning_speed, -bound, bound);
+            self.speed_setpoint[i] = setpoint;
+        }
+    }
 
-            // Eq. 1, half-way and at the end.
+    /// Commands from elsewhere: a speed setpoint and a course change for each pigeon.
+    #[inline(always)]
+    pub fn follow(&mut self, speed_setpoint: &Each, course_change: &Each) {
+        self.speed_setpoint = *speed_setpoint;
+        self.course_change = *course_change;
+    }
+
+    /// One control period of Eq. 1 on the command at hand.
+    ///
+    /// The position follows Simpson's rule over the period; up to its middle the trapezium is enough for a sample.
+    #[inline(always)]
+    pub fn advance(&mut self, step: &Step) {
+        for i in 0..self.count.min(BATCH) {
+            let (cos, sin, speed) = (self.cos[i], self.sin[i], self.speed[i]);
+            let (setpoint, change) = (self.speed_setpoint[i], self.course_change[i]);
             let (turn_sin, turn_cos) = sincos(change * step.course_gain[0]);
             let speed_1 = setpoint + (speed - setpoint) * step.speed_decay[0];
             let vx_1 = speed_1 * (cos * turn_cos - sin * turn_sin);
@@ -324,8 +343,8 @@ impl Flights {
 }
 
 /// One control period of the vehicle model.
-pub struct Step<'a> {
-    pub commander: &'a Commander,
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
     pub period_s: f64,
     /// exp(-h / tau_V) and 1 - exp(-h / tau_phi) over half a period and a whole one.
     pub speed_decay: [f64; 2],

@@ -102,6 +102,9 @@ impl Flock {
             .zip(states)
             .enumerate()
             .for_each(|(vehicle, ((pilot, decision), _))| *decision = pilot.decide(&around, vehicle, tick, clock));
+        if self.settings.controller.look_ahead.evasion {
+            self.concert(states);
+        }
         &self.decisions
     }
 
@@ -127,22 +130,40 @@ impl Flock {
         match settings.controller.look_ahead.forecast {
             ForecastKind::Straight => self.forecast.extrapolate(states, steps, settings.control_period_s),
             ForecastKind::Law => {
-                let law = &settings.controller.law;
-                let crew = Crew {
-                    law,
-                    expected: &settings.expected,
-                    commander: &self.commander,
-                    obstacles: &settings.obstacles,
-                    half_period: &self.half_period,
-                    neighbours_max: settings.controller.look_ahead.neighbours_max,
-                };
-                self.forecast.fly_the_law(
-                    &crew,
-                    states,
-                    |vehicle| self.decisions.get(vehicle).map_or([1.0; 3], |last| last.weights),
-                    steps,
-                );
+                let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |last| last.weights);
+                let crew = crew(settings, &self.commander, &self.half_period);
+                self.forecast.fly_the_law(&crew, states, weights, |_| None, steps);
             }
         }
+    }
+
+    /// Looks at all commands together before they go out: each was decided without knowledge of the others, and two that
+    /// dodge each other may dodge into each other. One by one, in their order, vehicles that would come too near change
+    /// their command, knowing those of all others.
+    fn concert(&mut self, states: &[State]) {
+        let settings = &self.settings;
+        let steps = settings.controller.look_ahead.steps(settings.control_period_s);
+        let crew = crew(settings, &self.commander, &self.half_period);
+        let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |decision| decision.weights);
+        let first = |vehicle: usize| self.decisions.get(vehicle).map(|decision| decision.setpoint);
+        self.forecast.fly_the_law(&crew, states, weights, first, steps);
+        for (vehicle, (pilot, decision)) in self.pilots.iter_mut().zip(&mut self.decisions).enumerate() {
+            let around = Surroundings { settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
+            if let (Some(changed), Some(state)) = (pilot.reconsider(&around, vehicle, *decision), states.get(vehicle)) {
+                *decision = changed;
+                self.forecast.fly_again(&crew, vehicle, state, changed.setpoint, changed.weights);
+            }
+        }
+    }
+}
+
+fn crew<'a>(settings: &'a FlockSettings, commander: &'a Commander, half_period: &'a Autopilot) -> Crew<'a> {
+    Crew {
+        law: &settings.controller.law,
+        expected: &settings.expected,
+        commander,
+        obstacles: &settings.obstacles,
+        half_period,
+        neighbours_max: settings.controller.look_ahead.neighbours_max,
     }
 }

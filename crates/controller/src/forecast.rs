@@ -4,8 +4,9 @@ use crate::command::Commander;
 use crate::neighbours::Neighbours;
 use crate::pilot::command;
 use crate::terms::Neighbour;
+use crate::vector::Vec2;
 use crate::{Expected, LawSettings, Obstacle};
-use flight_model::{Autopilot, State};
+use flight_model::{Autopilot, Setpoint, State};
 
 /// A vehicle at one instant of a forecast.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +44,12 @@ pub struct Crew<'a> {
     pub neighbours_max: usize,
 }
 
+impl Crew<'_> {
+    fn setpoint(&self, state: &State, neighbours: &[Neighbour], weights: [f64; 3]) -> Setpoint {
+        command(self.law, self.expected, self.commander, state, neighbours, self.obstacles, weights)
+    }
+}
+
 impl Forecast {
     /// Every vehicle keeps its velocity (reading 11: neighbours are extrapolated).
     pub fn extrapolate(&mut self, states: &[State], steps: usize, control_period_s: f64) {
@@ -57,12 +64,14 @@ impl Forecast {
         }
     }
 
-    /// Every vehicle flies the flocking law with its `weights`, all at once.
+    /// Every vehicle flies the flocking law with its `weights`, all at once. Where a vehicle has a `first` command already,
+    /// it follows that for the first control period.
     pub fn fly_the_law(
         &mut self,
         crew: &Crew<'_>,
         states: &[State],
         weights: impl Fn(usize) -> [f64; 3],
+        first: impl Fn(usize) -> Option<Setpoint>,
         steps: usize,
     ) {
         self.instants = 1 + 2 * steps;
@@ -81,23 +90,46 @@ impl Forecast {
             self.index.update(&self.now);
             self.next.clear();
             for (vehicle, state) in self.now.iter().enumerate() {
-                self.index.nearest(&self.now, vehicle, range_m, crew.neighbours_max, &mut self.found);
-                self.near.clear();
-                self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
-                let setpoint = command(
-                    crew.law,
-                    crew.expected,
-                    crew.commander,
-                    state,
-                    &self.near,
-                    crew.obstacles,
-                    weights(vehicle),
-                );
+                let setpoint = match first(vehicle).filter(|_| step == 0) {
+                    Some(first) => first,
+                    None => {
+                        self.index.nearest(&self.now, vehicle, range_m, crew.neighbours_max, &mut self.found);
+                        self.near.clear();
+                        self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
+                        crew.setpoint(state, &self.near, weights(vehicle))
+                    }
+                };
                 let middle = crew.half_period.step(state, &setpoint);
                 self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
                 self.next.push(crew.half_period.step(&middle, &setpoint));
             }
             std::mem::swap(&mut self.now, &mut self.next);
+        }
+    }
+
+    /// One vehicle alone changes its mind about its first command; the others fly on as they were to.
+    pub fn fly_again(&mut self, crew: &Crew<'_>, vehicle: usize, start: &State, first: Setpoint, weights: [f64; 3]) {
+        let range_m = crew.law.communication_distance_m.max(crew.law.safe_distance_m);
+        let (mut state, mut setpoint) = (*start, first);
+        for step in 0..self.instants / 2 {
+            if step > 0 {
+                self.near.clear();
+                for other in (0..self.passages.len() / self.instants).filter(|&other| other != vehicle) {
+                    let there = self.passages[other * self.instants + 2 * step];
+                    let (dx, dy) = (there.x_m - state.x_m, there.y_m - state.y_m);
+                    if dx * dx + dy * dy <= range_m * range_m {
+                        self.near.push(Neighbour {
+                            position_m: Vec2::new(there.x_m, there.y_m),
+                            velocity_mps: Vec2::new(there.vx_mps, there.vy_mps),
+                        });
+                    }
+                }
+                setpoint = crew.setpoint(&state, &self.near, weights);
+            }
+            let middle = crew.half_period.step(&state, &setpoint);
+            state = crew.half_period.step(&middle, &setpoint);
+            self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
+            self.passages[vehicle * self.instants + 2 * step + 2] = Passage::of(&state);
         }
     }
 

@@ -13,6 +13,7 @@
 //! | Algorithm 2 | `flock.rs` |
 
 mod command;
+mod evasion;
 mod field;
 mod flights;
 mod flock;

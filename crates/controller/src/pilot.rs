@@ -1,6 +1,7 @@
 //! One vehicle's part of a tick: what it sees, the weights that MSLPIO picks for it, and the command that follows.
 
 use crate::command::Commander;
+use crate::evasion::evade;
 use crate::flights::Flights;
 use crate::flock::{Decision, FlockSettings};
 use crate::forecast::{Forecast, Passage};
@@ -10,7 +11,8 @@ use crate::terms::{self, Neighbour};
 use crate::vector::Vec2;
 use crate::{Expected, LawSettings, Obstacle, WeightKind, steering};
 use flight_model::{Setpoint, State, wrap_pi};
-use optimizer::{Bounds, Mslpio, Optimizer, SettingsError, selection::nearest_to_ideal, stream};
+use optimizer::selection::nearest_to_ideal;
+use optimizer::{Bounds, Mslpio, Optimizer, SettingsError, Stream, stream};
 use std::time::Duration;
 
 /// The flock around a vehicle at one tick.
@@ -28,12 +30,19 @@ pub struct Pilot {
     optimizer: Mslpio,
     bounds: Vec<Bounds>,
     last_weights: Option<[f64; 3]>,
+    sight: Sight,
+    flights: Box<Flights>,
+}
+
+/// What a vehicle sees at one tick.
+#[derive(Default)]
+struct Sight {
+    /// The nearest others: squared distance and index.
     found: Vec<(f64, u32)>,
     neighbours: Vec<Neighbour>,
     passages: Vec<Passage>,
     obstacles: Vec<Obstacle>,
     close_obstacles: Vec<Obstacle>,
-    flights: Box<Flights>,
 }
 
 impl Pilot {
@@ -50,11 +59,7 @@ impl Pilot {
             optimizer: Mslpio::new(settings.optimizer)?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
-            found: Vec::new(),
-            neighbours: Vec::new(),
-            passages: Vec::new(),
-            obstacles: Vec::new(),
-            close_obstacles: Vec::new(),
+            sight: Sight::default(),
             flights: Box::new(Flights::new()),
         })
     }
@@ -69,24 +74,78 @@ impl Pilot {
     ) -> Decision {
         let settings = around.settings;
         let state = around.states[vehicle];
-        self.look_around(around, vehicle);
+        self.sight.look_around(around, vehicle);
+        let (law, expected) = (&settings.controller.law, &settings.expected);
         let started = clock();
-        let (weights, feasible) = self.pick_weights(settings, state, vehicle, tick);
+        let mut rng = stream(settings.seed, vehicle as u64, tick);
+        let mut problem = WeightProblem {
+            look_ahead: &self.look_ahead,
+            scene: self.sight.scene(settings, state),
+            kind: settings.controller.weights.kind,
+            bounds: &self.bounds,
+            flights: &mut self.flights,
+        };
+        let choice = pick_weights(&mut self.optimizer, &mut problem, self.last_weights, &mut rng);
         let solve = clock().saturating_sub(started);
-        self.last_weights = Some(weights);
-        Decision {
-            setpoint: command(
-                &settings.controller.law,
-                &settings.expected,
-                &self.commander,
-                &state,
-                &self.neighbours,
-                &self.obstacles,
-                weights,
-            ),
-            weights,
-            feasible,
-            solve,
+        self.last_weights = Some(choice.weights);
+        let sight = &self.sight;
+        let setpoint =
+            command(law, expected, &self.commander, &state, &sight.neighbours, &sight.obstacles, choice.weights);
+        Decision { setpoint, weights: choice.weights, feasible: choice.violation_m <= 0.0, solve }
+    }
+
+    /// Thinks a decision over once the forecast is that of the commands which the others have been given meanwhile.
+    pub fn reconsider(&mut self, around: &Surroundings<'_>, vehicle: usize, decision: Decision) -> Option<Decision> {
+        let (settings, state) = (around.settings, *around.states.get(vehicle)?);
+        let separation_m = settings.controller.look_ahead.separation_m;
+        let own = around.forecast.vehicle(vehicle);
+        let meets = |&(_, other): &(f64, u32)| {
+            own.iter().zip(around.forecast.vehicle(other as usize)).skip(1).any(|(here, there)| {
+                let (dx, dy) = (there.x_m - here.x_m, there.y_m - here.y_m);
+                dx * dx + dy * dy < separation_m * separation_m
+            })
+        };
+        if decision.feasible && !self.sight.found.iter().any(meets) {
+            return None;
+        }
+        self.sight.foresee(around);
+        let evasion = self.evade(settings, state, decision);
+        (evasion != decision).then_some(evasion)
+    }
+
+    fn evade(&mut self, settings: &FlockSettings, state: State, decision: Decision) -> Decision {
+        let present = (decision.setpoint.speed_mps, wrap_pi(decision.setpoint.course_rad - state.course_rad));
+        let scene = self.sight.scene(settings, state);
+        let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, &mut self.flights);
+        if (evasion.speed_setpoint_mps, evasion.course_change_rad) == present {
+            return Decision { feasible: evasion.violation_m <= 0.0, ..decision };
+        }
+        let course_rad = wrap_pi(state.course_rad + evasion.course_change_rad);
+        let setpoint = Setpoint { speed_mps: evasion.speed_setpoint_mps, course_rad, ..decision.setpoint };
+        Decision { setpoint, feasible: evasion.violation_m <= 0.0, ..decision }
+    }
+}
+
+impl Sight {
+    /// What the look-ahead is to know of it.
+    fn scene(&self, settings: &FlockSettings, state: State) -> Scene<'_> {
+        let position_m = Vec2::new(state.x_m, state.y_m);
+        let (law, heading) = (&settings.controller.law, heading(&state));
+        Scene {
+            state,
+            expected: settings.expected,
+            obstacles: &self.obstacles,
+            close_obstacles: &self.close_obstacles,
+            detected: self.obstacles.iter().any(|obstacle| steering::detects(law, position_m, heading, obstacle)),
+            neighbours: &self.passages,
+        }
+    }
+
+    /// Takes the neighbours' forecast.
+    fn foresee(&mut self, around: &Surroundings<'_>) {
+        self.passages.clear();
+        for &(_, index) in &self.found {
+            self.passages.extend_from_slice(around.forecast.vehicle(index as usize));
         }
     }
 
@@ -100,12 +159,8 @@ impl Pilot {
         let range_m = law.communication_distance_m.max(look_ahead.separation_m) + reach_m;
         around.neighbours.nearest(around.states, vehicle, range_m, look_ahead.neighbours_max, &mut self.found);
         self.neighbours.clear();
-        self.passages.clear();
-        for &(_, index) in &self.found {
-            let passages = around.forecast.vehicle(index as usize);
-            self.neighbours.push(Neighbour::of(&around.states[index as usize]));
-            self.passages.extend_from_slice(passages);
-        }
+        self.neighbours.extend(self.found.iter().map(|&(_, index)| Neighbour::of(&around.states[index as usize])));
+        self.foresee(around);
         let within =
             |distance_m: f64| move |obstacle: &&Obstacle| obstacle.clearance_m(state.x_m, state.y_m) <= distance_m;
         self.obstacles.clear();
@@ -113,40 +168,34 @@ impl Pilot {
         self.close_obstacles.clear();
         self.close_obstacles.extend(self.obstacles.iter().filter(within(look_ahead.clearance_m + reach_m)));
     }
+}
 
-    /// The weights that the optimiser picks, and whether they keep the constraints.
-    fn pick_weights(&mut self, settings: &FlockSettings, state: State, vehicle: usize, tick: u64) -> ([f64; 3], bool) {
-        let law = &settings.controller.law;
-        let position_m = Vec2::new(state.x_m, state.y_m);
-        let heading = heading(&state);
-        let mut problem = WeightProblem {
-            look_ahead: &self.look_ahead,
-            scene: Scene {
-                state,
-                expected: settings.expected,
-                obstacles: &self.obstacles,
-                close_obstacles: &self.close_obstacles,
-                detected: self.obstacles.iter().any(|obstacle| steering::detects(law, position_m, heading, obstacle)),
-                neighbours: &self.passages,
-            },
-            kind: settings.controller.weights.kind,
-            bounds: &self.bounds,
-            flights: &mut self.flights,
-        };
-        let mut rng = stream(settings.seed, vehicle as u64, tick);
-        let per_term = problem.kind == WeightKind::PerTerm;
-        if let Some(last) = &self.last_weights {
-            self.optimizer.seed_candidates(if per_term { last } else { &last[..1] });
+/// Weights, and by how much the flight that they lead to falls short of the constraints.
+struct Choice {
+    weights: [f64; 3],
+    violation_m: f64,
+}
+
+/// Algorithm 2, line 5: the member of the Pareto front that is nearest to the ideal (reading 12).
+fn pick_weights(
+    optimizer: &mut Mslpio,
+    problem: &mut WeightProblem<'_>,
+    last: Option<[f64; 3]>,
+    rng: &mut Stream,
+) -> Choice {
+    let dimensions = problem.bounds.len();
+    let middle = 0.5 * (problem.bounds[0].lower + problem.bounds[0].upper);
+    if let Some(last) = last {
+        optimizer.seed_candidates(&last[..dimensions]);
+    }
+    match optimizer.minimise(problem, rng) {
+        Ok(front) => {
+            let best = nearest_to_ideal(&front);
+            let weights = [0, 1, 2].map(|term| front.position(best, if dimensions == 1 { 0 } else { term }));
+            Choice { weights, violation_m: front.violation()[best] }
         }
-        match self.optimizer.minimise(&mut problem, &mut rng) {
-            Ok(front) => {
-                let best = nearest_to_ideal(&front);
-                let weights = [0, 1, 2].map(|term| front.position(best, if per_term { term } else { 0 }));
-                (weights, front.violation()[best] <= 0.0)
-            }
-            // No finite prediction: only a state that is not finite gives that. The middle of the range harms least.
-            Err(_) => ([0.5 * (self.bounds[0].lower + self.bounds[0].upper); 3], false),
-        }
+        // No finite prediction: only a state that is not finite gives that. The middle of the range harms least.
+        Err(_) => Choice { weights: [middle; 3], violation_m: f64::INFINITY },
     }
 }
 

@@ -115,6 +115,9 @@ pub struct LookAheadSettings {
     pub separation_m: f64,
     /// Least distance to any obstacle's edge that satisfies the clearance constraint, m.
     pub clearance_m: f64,
+    /// Whether all commands are looked at together before they go out, and those that lead too near to something changed
+    /// for others that the law would not give (beyond the paper; docs/reading.md has the figures).
+    pub evasion: bool,
     /// At most this many neighbours, the nearest, enter a prediction.
     pub neighbours_max: usize,
 }
@@ -153,6 +156,7 @@ impl Default for LookAheadSettings {
             forecast: ForecastKind::Straight,
             separation_m: 3.0,
             clearance_m: 1.0,
+            evasion: true,
             neighbours_max: 16,
         }
     }
@@ -171,6 +175,7 @@ impl ControllerSettings {
         let mut settings = Self::default();
         settings.weights.kind = WeightKind::Shared;
         settings.look_ahead.forecast = ForecastKind::Straight;
+        settings.look_ahead.evasion = false;
         settings
     }
 

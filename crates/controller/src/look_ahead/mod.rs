@@ -6,7 +6,7 @@
 //! every half control period. With a horizon of one control period this is the letter of the paper.
 
 use crate::command::Commander;
-use crate::flights::{BATCH, Extent, Flights, Step};
+use crate::flights::{BATCH, Each, Extent, Flights, Step};
 use crate::forecast::Passage;
 use crate::{Expected, LawSettings, LookAheadSettings, Obstacle, ObstacleRule, WeightKind};
 use flight_model::{Dynamics, State};
@@ -21,9 +21,14 @@ pub struct LookAhead {
     separation_m: f64,
     clearance_m: f64,
     steps: usize,
-    period_s: f64,
-    speed_decay: [f64; 2],
-    course_gain: [f64; 2],
+    step: Step,
+}
+
+/// A command for each pigeon of a batch.
+#[derive(Clone, Debug)]
+pub struct Commands {
+    pub speed_setpoint_mps: Each,
+    pub course_change_rad: Each,
 }
 
 /// What one vehicle sees of the world: all of a solve that does not depend on the weights.
@@ -63,21 +68,38 @@ impl LookAhead {
             separation_m: look_ahead.separation_m,
             clearance_m: look_ahead.clearance_m,
             steps: look_ahead.steps(period_s),
-            period_s,
-            speed_decay: decays(tau.speed_s),
-            course_gain: decays(tau.course_s).map(|decay| 1.0 - decay),
+            step: Step {
+                period_s,
+                speed_decay: decays(tau.speed_s),
+                course_gain: decays(tau.course_s).map(|decay| 1.0 - decay),
+            },
         }
+    }
+
+    /// Flies `pigeons` commands through the scene, the law with the same weights for all after the first period, and
+    /// returns by how many metres each falls short of the constraints.
+    pub fn try_commands<'f>(
+        &self,
+        scene: &Scene<'_>,
+        commands: &Commands,
+        weights: [f64; 3],
+        pigeons: usize,
+        flights: &'f mut Flights,
+    ) -> &'f [f64] {
+        fly(self, scene, Some(commands), &weights.map(|weight| [weight; BATCH]), pigeons, flights);
+        &flights.violation_m[..pigeons.min(BATCH)]
     }
 
     /// Flies `pigeons` choices of weights (alpha_f, alpha_o, alpha_nv) through the scene.
     #[inline(always)]
-    fn fly(&self, scene: &Scene<'_>, weights: &[[f64; BATCH]; 3], pigeons: usize, flights: &mut Flights) {
-        let step = Step {
-            commander: &self.commander,
-            period_s: self.period_s,
-            speed_decay: self.speed_decay,
-            course_gain: self.course_gain,
-        };
+    fn fly(
+        &self,
+        scene: &Scene<'_>,
+        first: Option<&Commands>,
+        weights: &[Each; 3],
+        pigeons: usize,
+        flights: &mut Flights,
+    ) {
         let law = &self.law;
         let expected = &scene.expected;
         let ahead = expected.direction();
@@ -100,7 +122,11 @@ impl LookAhead {
                     flights.offer_obstacle(law, expected, obstacle);
                 }
             }
-            flights.advance(&step, law, expected, weights);
+            match first {
+                Some(first) if k == 0 => flights.follow(&first.speed_setpoint_mps, &first.course_change_rad),
+                _ => flights.follow_law(&self.commander, law, expected, weights),
+            }
+            flights.advance(&self.step);
             flights.add_progress(expected, scene.detected);
         }
     }
@@ -162,7 +188,7 @@ impl Problem for WeightProblem<'_> {
                 let dimension = if self.kind == WeightKind::Shared { 0 } else { term };
                 weight[..count].copy_from_slice(&candidates.coordinate(dimension)[start..end]);
             }
-            fly(self.look_ahead, &self.scene, &weights, count, self.flights);
+            fly(self.look_ahead, &self.scene, None, &weights, count, self.flights);
             let ([cost_1, cost_2], violation) = evaluations.objectives_and_violation();
             for i in 0..count {
                 cost_1[start + i] = self.flights.cost_1[i] * mean;
@@ -176,8 +202,15 @@ impl Problem for WeightProblem<'_> {
 
 /// The look-ahead compiled for what vector instructions the machine has: the same operations, so the same bits.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
-fn fly(look_ahead: &LookAhead, scene: &Scene<'_>, weights: &[[f64; BATCH]; 3], pigeons: usize, flights: &mut Flights) {
-    look_ahead.fly(scene, weights, pigeons, flights);
+fn fly(
+    look_ahead: &LookAhead,
+    scene: &Scene<'_>,
+    first: Option<&Commands>,
+    weights: &[Each; 3],
+    pigeons: usize,
+    flights: &mut Flights,
+) {
+    look_ahead.fly(scene, first, weights, pigeons, flights);
 }
 
 #[cfg(test)]
