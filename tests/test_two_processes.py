@@ -4,7 +4,7 @@ import math
 
 import pytest
 import tlog
-from conftest import free_port
+from conftest import bind, free_port
 from proxy import LossyProxy
 
 
@@ -39,6 +39,21 @@ def test_in_real_time_the_flock_flies_what_the_controller_says(fly, start_vehicl
     for before, after in zip(rows, rows[5:]):
         way_m = math.dist((before["x_m"], before["y_m"]), (after["x_m"], after["y_m"]))
         assert way_m == pytest.approx(0.25 * (before["speed_mps"] + after["speed_mps"]), abs=3)
+
+
+def test_somebody_looks_on_while_the_controller_speaks_first(fly, start_vehicles, scenario):
+    """Telemetry goes to a ground station; the controller, at a port of its own, speaks to the vehicles, and arms them."""
+    with bind() as onlooker:
+        vehicles = start_vehicles(
+            scenario(count=1, armed=False), "--speed", 10, ground_port=onlooker.getsockname()[1]
+        )
+        port = vehicles.rows[0]["port"]
+        run = fly("fly", scenario(count=1), "--speed", 10, "--vehicle-port", port, "--ground-port", free_port())
+        assert run.status == 0, run.errors
+        assert len(onlooker.recv(2048)) > 0
+    # It waited for the controller where it starts.
+    assert run.trajectory[0]["x_m"] == pytest.approx(0, abs=3)
+    assert run.trajectory[-1]["x_m"] == pytest.approx(100, abs=5)
 
 
 def test_one_program_in_real_time(fly):
