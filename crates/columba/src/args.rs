@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::config::{Overrides, Preset};
+use crate::config::{COUNT_MAX, DURATION_MAX_S, Overrides, Preset, SHARE_MAX};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -8,13 +8,14 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, after_help = EXIT_STATUS)]
 pub struct Cli {
+    /// What to do.
     #[command(subcommand)]
     pub command: Command,
     /// No progress and no closing words, only what went wrong.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Threads that solve; by default as many as the machine has. The flight is the same with any number.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// Threads that solve, 1 to 1024; by default as many as the machine has. The flight is the same with any number.
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<u16>,
 }
 
@@ -22,87 +23,131 @@ const EXIT_STATUS: &str = "\
 Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.
 RUST_LOG=debug prints what the links do.";
 
+const RUN_EXAMPLES: &str = "\
+Examples:
+  columba run                              the paper's flight, in lockstep over UDP; the report is in runs/paper/
+  columba run --speed 1                    the same in real time: vehicles on UDP 14600 and up
+  columba run field.toml --seed 7 -o out   your own field
+  columba run --transport memory           without sockets, several times faster, the same bytes
+  columba run --loss 0.2                   over a bad link: it takes longer, and is the same flight
+
+Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";
+
+const VEHICLES_EXAMPLES: &str = "\
+Examples:
+  columba vehicles                         the paper's five, from UDP 14600 up, telemetry to 14550
+  columba vehicles --count 20              twenty in a grid
+  columba vehicles --vehicle-port 0 --json any free ports, and the table of them for a script
+
+A vehicle answers whoever speaks to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends it.";
+
+const FLY_EXAMPLES: &str = "\
+Examples:
+  columba vehicles &  columba fly          in real time; the vehicles' telemetry comes to UDP 14550
+  columba vehicles --lockstep &  columba fly --lockstep --vehicle-port 14600
+                                           in simulated time, as fast as it goes
+
+Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";
+
+const CHECK_EXAMPLES: &str = "\
+Every fault is one line: file, line, key, value and what would be right. docs/scenario.md describes every key.
+Exit status: 0 all files are good, 2 one is not.";
+
+/// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Flies a scenario end to end: vehicles, link and controller. Without a file, the paper's flight.
     ///
     /// By default in lockstep: real MAVLink over UDP in simulated time, as fast as it goes, the same seed giving the same
     /// flight to the last bit. The run's folder holds summary.json, trajectory.parquet, flight.tlog and report.html.
+    #[command(after_long_help = RUN_EXAMPLES)]
     Run(RunArgs),
     /// Runs only the simulated vehicles, for your own controller, ground station or test.
     ///
     /// Each listens on its own UDP port from 14600 up and sends telemetry to 14550, as ArduPlane in GUIDED would.
+    #[command(after_long_help = VEHICLES_EXAMPLES)]
     Vehicles(VehiclesArgs),
     /// Runs only the ground controller, against whatever answers.
+    ///
+    /// Waits until every vehicle of the scenario has said where it is, brings them into GUIDED, arms them and flies them. Writes
+    /// the same folder as run.
+    #[command(after_long_help = FLY_EXAMPLES)]
     Fly(FlyArgs),
-    /// Says what is wrong with a scenario file, by line.
+    /// Says what is wrong with scenario files, by line.
+    #[command(after_long_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
 }
 
+/// `columba run`.
 #[derive(Debug, Args)]
 pub struct RunArgs {
     /// Scenario file (TOML); without one, the paper's five UAVs and seven obstacles.
     pub config: Option<PathBuf>,
+    /// What changes the file.
     #[command(flatten)]
     pub flight: FlightArgs,
-    /// `udp`: real MAVLink on loopback. `memory`: no sockets; the same flight to the last bit.
+    /// What carries states and setpoints.
     #[arg(long, value_enum, default_value_t = Transport::Udp)]
     pub transport: Transport,
-    /// Flies in real time instead of lockstep, this many times the wall clock (1: as in life).
-    #[arg(long, value_name = "K", value_parser = speed)]
+    /// Flies in real time instead of lockstep, K times as fast as the wall clock: 0.01 to 100, 1 as in life.
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = speed)]
     pub speed: Option<f64>,
-    /// First UDP port of the vehicles. By default 14600 in real time, any free ports in lockstep.
-    #[arg(long, value_name = "PORT")]
+    /// First UDP port of the vehicles; 0: any free ports. By default 14600 in real time, any free ports in lockstep.
+    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub vehicle_port: Option<u16>,
 }
 
+/// `columba vehicles`.
 #[derive(Debug, Args)]
 pub struct VehiclesArgs {
     /// Scenario file (TOML) for the vehicles' starts and dynamics; without one, the paper's.
     pub config: Option<PathBuf>,
-    /// So many vehicles in a grid, instead of the file's.
-    #[arg(long, value_name = "N")]
+    /// So many vehicles in a grid (or the file's own pattern), instead of the file's: 1 to 10000.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count)]
     pub count: Option<usize>,
-    /// First UDP port; each further vehicle has the next. 0: any free ports.
-    #[arg(long, value_name = "PORT")]
+    /// First UDP port; each further vehicle has the next. 0: any free ports. By default 14600.
+    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub vehicle_port: Option<u16>,
-    /// UDP port to which telemetry goes unasked.
-    #[arg(long, value_name = "PORT")]
+    /// UDP port to which telemetry goes unasked; 0: nowhere, only to who speaks first. By default 14550.
+    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub ground_port: Option<u16>,
-    /// Vehicle seconds for each second of the wall clock.
-    #[arg(long, value_name = "K", default_value = "1", value_parser = speed, conflicts_with = "lockstep")]
+    /// Vehicle seconds for each second of the wall clock, 0.01 to 100.
+    #[arg(long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed, conflicts_with = "lockstep")]
     pub speed: f64,
     /// Simulated time: a vehicle moves on only when it has the setpoint stamped with its time.
     #[arg(long)]
     pub lockstep: bool,
     /// Share of datagrams lost each way, 0 to 0.95.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
     pub loss: Option<f64>,
-    /// Seed of the link's impairment.
-    #[arg(long, value_name = "N")]
+    /// Seed of the link's impairment and of random starts.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub seed: Option<u64>,
     /// Prints the table of vehicles as JSON.
     #[arg(long)]
     pub json: bool,
 }
 
+/// `columba fly`.
 #[derive(Debug, Args)]
 pub struct FlyArgs {
     /// Scenario file (TOML); without one, the paper's.
     pub config: Option<PathBuf>,
+    /// What changes the file.
     #[command(flatten)]
     pub flight: FlightArgs,
-    /// The vehicles keep simulated time (`columba vehicles --lockstep`).
+    /// The vehicles keep simulated time (columba vehicles --lockstep).
     #[arg(long, conflicts_with = "speed")]
     pub lockstep: bool,
     /// Vehicle seconds for each second of the wall clock, as the vehicles were told.
-    #[arg(long, value_name = "K", default_value = "1", value_parser = speed)]
+    #[arg(long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub speed: f64,
     /// Speaks first to the vehicles at this port and those after it, instead of waiting for their telemetry.
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub vehicle_port: Option<u16>,
 }
 
+/// `columba check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
     /// Scenario files (TOML).
@@ -114,31 +159,34 @@ pub struct CheckArgs {
 #[derive(Debug, Args)]
 pub struct FlightArgs {
     /// Seed of every random number.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub seed: Option<u64>,
-    /// Which reading of the paper to start from.
+    /// Which reading of the paper to start from; the file's tables then change it.
     #[arg(long, value_enum)]
     pub preset: Option<Preset>,
-    /// Flight time, s.
-    #[arg(long, value_name = "S")]
+    /// Flight time in seconds, at least one control period; the last period is flown whole.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
     pub duration: Option<f64>,
-    /// Folder of the run; by default `runs/<name>`.
+    /// Folder of the run, made where it is missing; by default runs/ and the scenario's name.
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
-    /// UDP port of the controller.
-    #[arg(long, value_name = "PORT")]
+    /// UDP port of the controller; 0: any free one. By default 14550 for fly, any free one for run.
+    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub ground_port: Option<u16>,
     /// Share of datagrams lost each way, 0 to 0.95.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
     pub loss: Option<f64>,
     /// Writes no report and no figures, only the record.
     #[arg(long)]
     pub no_report: bool,
 }
 
+/// What carries states and setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Transport {
+    /// Real MAVLink on loopback.
     Udp,
+    /// No sockets; the same flight to the last bit.
     Memory,
 }
 
@@ -158,8 +206,32 @@ impl FlightArgs {
 }
 
 fn speed(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(speed) if (0.01..=100.0).contains(&speed) => Ok(speed),
-        _ => Err("must be a number from 0.01 to 100".to_owned()),
-    }
+    number(text, 0.01, 100.0)
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    number(text, 0.0, SHARE_MAX)
+}
+
+fn duration(text: &str) -> Result<f64, String> {
+    number(text, 0.001, DURATION_MAX_S)
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    let whole = text.parse().ok().filter(|count| (1..=COUNT_MAX).contains(count));
+    whole.ok_or_else(|| format!("must be a whole number from 1 to {COUNT_MAX}"))
+}
+
+fn threads(text: &str) -> Result<u16, String> {
+    let whole = text.parse().ok().filter(|threads| (1..=1024).contains(threads));
+    whole.ok_or_else(|| "must be a whole number from 1 to 1024".to_owned())
+}
+
+fn number(text: &str, low: f64, high: f64) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| (low..=high).contains(number));
+    number.ok_or_else(|| format!("must be a number from {low} to {high}"))
 }

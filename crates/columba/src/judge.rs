@@ -15,30 +15,43 @@ pub const ALTITUDE_TOLERANCE_M: f64 = 0.5;
 /// The least distances of an interval, m; infinite where there is nothing to be near to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Minima {
+    /// Between any two vehicles.
     pub separation_m: f64,
+    /// From any vehicle to any circle's edge; negative inside.
     pub clearance_m: f64,
 }
 
 /// A least value, when it was, and whose.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Least<W> {
+    /// The value, m.
     pub value_m: f64,
+    /// When, s.
     pub at_s: f64,
+    /// Index or indices of the vehicles.
     pub whose: W,
 }
 
 /// What a flight came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
+    /// How often a vehicle entered a circle.
     pub obstacle_collisions: u32,
+    /// How often two vehicles came within [`COLLISION_DISTANCE_M`].
     pub vehicle_collisions: u32,
+    /// How often two vehicles came within the safe distance D_s.
     pub separation_losses: u32,
+    /// The least distance between two vehicles; none with a single one.
     pub separation: Option<Least<[usize; 2]>>,
+    /// The least distance to a circle's edge; none without circles.
     pub clearance: Option<Least<usize>>,
+    /// Vehicles past the far edge of every circle, along the expected course.
     pub passed_last_obstacle: usize,
-    /// From when on every vehicle stayed within the tolerance, s; `None` if one did not at the end.
+    /// From when on every vehicle stayed within the tolerance of speed, s; `None` if one did not at the end.
     pub speed_convergence_s: Option<f64>,
+    /// The same of course.
     pub course_convergence_s: Option<f64>,
+    /// The same of altitude.
     pub altitude_settling_s: Option<f64>,
     /// The first collision, in words.
     pub failure: Option<String>,

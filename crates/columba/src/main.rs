@@ -21,7 +21,10 @@ fn main() -> ExitCode {
             ExitCode::from(1)
         }
         Err(Failure::Usage(error)) => {
-            eprintln!("columba: {error:#}");
+            // Several faults are several lines, each of which stands alone.
+            for line in format!("{error:#}").lines() {
+                eprintln!("columba: {line}");
+            }
             ExitCode::from(2)
         }
     }

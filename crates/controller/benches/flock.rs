@@ -1,5 +1,8 @@
 //! One solve, and one tick of a flock: `cargo bench -p controller`.
 
+// A benchmark that cannot start has nothing better to do than say so.
+#![allow(clippy::expect_used)]
+
 use controller::{Expected, Flock, FlockSettings, Obstacle};
 use divan::{Bencher, black_box};
 use flight_model::State;

@@ -51,12 +51,13 @@ impl Commander {
     pub fn horizontal(&self, demand_mps2: Vec2, speed_mps: f64, heading: Vec2) -> (f64, f64) {
         let along_mps2 = demand_mps2.dot(heading);
         let across_mps2 = heading.cross(demand_mps2);
+        let setpoint_mps =
+            (speed_mps + self.speed_time_constant_s * along_mps2).clamp(self.speed_min_mps, self.speed_max_mps);
         let turning_speed_mps = speed_mps.max(self.speed_min_mps);
-        let bound_rad = self.course_change_max_rad.min(self.course_change_speed_max / turning_speed_mps);
-        (
-            (speed_mps + self.speed_time_constant_s * along_mps2).clamp(self.speed_min_mps, self.speed_max_mps),
-            (self.speed_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad),
-        )
+        // The faster it gets on the way, the lower the limit.
+        let bound_rad =
+            self.course_change_max_rad.min(self.course_change_speed_max / turning_speed_mps.max(setpoint_mps));
+        (setpoint_mps, (self.speed_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad))
     }
 
     /// Altitude setpoint, m: the third line of Eq. 2 with Eq. 9-10 where that settles, else h_e itself (reading 5).

@@ -3,6 +3,9 @@
 //! Every loop runs over the pigeons and does the same to each without a branch or a call, so the compiler vectorises it.
 //! `terms.rs` and `steering.rs` say the same for one vehicle as one reads it; the tests hold the two together.
 
+// One index runs over a dozen columns at once.
+#![allow(clippy::needless_range_loop)]
+
 use crate::command::Commander;
 use crate::forecast::Passage;
 use crate::polynomial::{ln, sincos};
@@ -266,12 +269,12 @@ impl Flights {
             let across = demand_y * cos - demand_x * sin;
             let slowest = commander.speed_min_mps;
             let turning_speed = if speed > slowest { speed } else { slowest };
-            let inverse_speed = 1.0 / turning_speed;
-            let bound = commander.course_change_speed_max * inverse_speed;
-            let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
             let tau_s = commander.speed_time_constant_s;
             let setpoint = clamp(speed + tau_s * along, slowest, commander.speed_max_mps);
-            let change = clamp(tau_s * across * inverse_speed, -bound, bound);
+            let fastest = if setpoint > turning_speed { setpoint } else { turning_speed };
+            let bound = commander.course_change_speed_max / fastest;
+            let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
+            let change = clamp(tau_s * across / turning_speed, -bound, bound);
 
             // Eq. 1, half-way and at the end.
             let (turn_sin, turn_cos) = sincos(change * step.course_gain[0]);

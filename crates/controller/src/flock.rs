@@ -1,10 +1,11 @@
 //! The flock's tick: Algorithm 2 for every vehicle at once.
 
-use crate::forecast::Forecast;
+use crate::command::Commander;
+use crate::forecast::{Crew, Forecast};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
-use crate::{ControllerSettings, Expected, Obstacle};
-use flight_model::{Dynamics, Setpoint, State};
+use crate::{ControllerSettings, Expected, ForecastKind, Obstacle};
+use flight_model::{Autopilot, Dynamics, Setpoint, State};
 use optimizer::MslpioSettings;
 use rayon::prelude::*;
 use std::time::Duration;
@@ -63,6 +64,8 @@ pub struct Flock {
     neighbours: Neighbours,
     forecast: Forecast,
     decisions: Vec<Decision>,
+    commander: Commander,
+    half_period: Autopilot,
 }
 
 impl Flock {
@@ -73,15 +76,19 @@ impl Flock {
     pub fn new(settings: FlockSettings, vehicles: usize) -> Result<Self, optimizer::SettingsError> {
         let pilots = (0..vehicles).map(|_| Pilot::new(&settings)).collect::<Result<_, _>>()?;
         Ok(Self {
+            half_period: Autopilot::new(&settings.dynamics, 0.5 * settings.control_period_s),
+            commander: Commander::new(&settings.controller.law, &settings.dynamics, settings.control_period_s),
             settings,
             pilots,
             neighbours: Neighbours::default(),
             forecast: Forecast::default(),
-            decisions: vec![Decision::default(); vehicles],
+            // Before the first solve the forecast flies the law with all weights one.
+            decisions: vec![Decision { weights: [1.0; 3], ..Decision::default() }; vehicles],
         })
     }
 
-    /// One control period: a setpoint for each of `states`, in their order.
+    /// One control period: a setpoint for each of `states`, in their order. There must be as many as vehicles: of any
+    /// further ones, or of vehicles without a state, the decision stays what it was.
     ///
     /// Vehicles are solved in parallel on rayon's current pool; the result does not depend on its size. `clock` only
     /// times the solves.
@@ -92,8 +99,9 @@ impl Flock {
         self.pilots
             .par_iter_mut()
             .zip(&mut self.decisions)
+            .zip(states)
             .enumerate()
-            .for_each(|(vehicle, (pilot, decision))| *decision = pilot.decide(&around, vehicle, tick, clock));
+            .for_each(|(vehicle, ((pilot, decision), _))| *decision = pilot.decide(&around, vehicle, tick, clock));
         &self.decisions
     }
 
@@ -108,6 +116,7 @@ impl Flock {
         self.look_around(states);
         let around =
             Surroundings { settings: &self.settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
+        states.get(vehicle)?;
         Some(self.pilots.get_mut(vehicle)?.decide(&around, vehicle, tick, clock))
     }
 
@@ -115,6 +124,25 @@ impl Flock {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);
         self.neighbours.update(states);
-        self.forecast.extrapolate(states, steps, settings.control_period_s);
+        match settings.controller.look_ahead.forecast {
+            ForecastKind::Straight => self.forecast.extrapolate(states, steps, settings.control_period_s),
+            ForecastKind::Law => {
+                let law = &settings.controller.law;
+                let crew = Crew {
+                    law,
+                    expected: &settings.expected,
+                    commander: &self.commander,
+                    obstacles: &settings.obstacles,
+                    half_period: &self.half_period,
+                    neighbours_max: settings.controller.look_ahead.neighbours_max,
+                };
+                self.forecast.fly_the_law(
+                    &crew,
+                    states,
+                    |vehicle| self.decisions.get(vehicle).map_or([1.0; 3], |last| last.weights),
+                    steps,
+                );
+            }
+        }
     }
 }

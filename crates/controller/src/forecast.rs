@@ -1,6 +1,11 @@
 //! Where the neighbours will be while a vehicle looks ahead.
 
-use flight_model::State;
+use crate::command::Commander;
+use crate::neighbours::Neighbours;
+use crate::pilot::command;
+use crate::terms::Neighbour;
+use crate::{Expected, LawSettings, Obstacle};
+use flight_model::{Autopilot, State};
 
 /// A vehicle at one instant of a forecast.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,11 +20,27 @@ pub struct Passage {
     pub vy_mps: f64,
 }
 
-/// Forecasts of a whole flock, vehicle-major: `instants` passages each, half a control period apart.
+/// Forecasts of a whole flock, vehicle-major: `1 + 2 * steps` passages each, half a control period apart.
 #[derive(Clone, Debug, Default)]
 pub struct Forecast {
     passages: Vec<Passage>,
     instants: usize,
+    now: Vec<State>,
+    next: Vec<State>,
+    index: Neighbours,
+    found: Vec<(f64, u32)>,
+    near: Vec<Neighbour>,
+}
+
+/// What it takes to fly the law for any vehicle of the flock.
+pub struct Crew<'a> {
+    pub law: &'a LawSettings,
+    pub expected: &'a Expected,
+    pub commander: &'a Commander,
+    pub obstacles: &'a [Obstacle],
+    /// The vehicle model at half a control period.
+    pub half_period: &'a Autopilot,
+    pub neighbours_max: usize,
 }
 
 impl Forecast {
@@ -28,16 +49,67 @@ impl Forecast {
         self.instants = 1 + 2 * steps;
         self.passages.clear();
         for state in states {
-            let (vx_mps, vy_mps) = state.velocity_mps();
+            let now = Passage::of(state);
             self.passages.extend((0..self.instants).map(|instant| {
                 let time_s = 0.5 * control_period_s * instant as f64;
-                Passage { x_m: state.x_m + vx_mps * time_s, y_m: state.y_m + vy_mps * time_s, vx_mps, vy_mps }
+                Passage { x_m: now.x_m + now.vx_mps * time_s, y_m: now.y_m + now.vy_mps * time_s, ..now }
             }));
+        }
+    }
+
+    /// Every vehicle flies the flocking law with its `weights`, all at once.
+    pub fn fly_the_law(
+        &mut self,
+        crew: &Crew<'_>,
+        states: &[State],
+        weights: impl Fn(usize) -> [f64; 3],
+        steps: usize,
+    ) {
+        self.instants = 1 + 2 * steps;
+        self.passages.clear();
+        self.passages.resize(self.instants * states.len(), Passage::default());
+        self.now.clear();
+        self.now.extend_from_slice(states);
+        let range_m = crew.law.communication_distance_m.max(crew.law.safe_distance_m);
+        for step in 0..=steps {
+            for (vehicle, state) in self.now.iter().enumerate() {
+                self.passages[vehicle * self.instants + 2 * step] = Passage::of(state);
+            }
+            if step == steps {
+                break;
+            }
+            self.index.update(&self.now);
+            self.next.clear();
+            for (vehicle, state) in self.now.iter().enumerate() {
+                self.index.nearest(&self.now, vehicle, range_m, crew.neighbours_max, &mut self.found);
+                self.near.clear();
+                self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
+                let setpoint = command(
+                    crew.law,
+                    crew.expected,
+                    crew.commander,
+                    state,
+                    &self.near,
+                    crew.obstacles,
+                    weights(vehicle),
+                );
+                let middle = crew.half_period.step(state, &setpoint);
+                self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
+                self.next.push(crew.half_period.step(&middle, &setpoint));
+            }
+            std::mem::swap(&mut self.now, &mut self.next);
         }
     }
 
     /// The forecast of one vehicle.
     pub fn vehicle(&self, index: usize) -> &[Passage] {
         &self.passages[index * self.instants..(index + 1) * self.instants]
+    }
+}
+
+impl Passage {
+    fn of(state: &State) -> Self {
+        let (vx_mps, vy_mps) = state.velocity_mps();
+        Self { x_m: state.x_m, y_m: state.y_m, vx_mps, vy_mps }
     }
 }

@@ -29,6 +29,7 @@ mod vector;
 pub use field::{Expected, Obstacle};
 pub use flock::{Decision, Flock, FlockSettings};
 pub use settings::{
-    AltitudeLaw, ControllerSettings, LawSettings, LookAheadSettings, ObstacleRule, WeightKind, WeightSettings,
+    AltitudeLaw, ControllerSettings, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
+    WeightSettings,
 };
 pub use vector::Vec2;

@@ -8,7 +8,7 @@ use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
 use crate::terms::{self, Neighbour};
 use crate::vector::Vec2;
-use crate::{Obstacle, WeightKind, steering};
+use crate::{Expected, LawSettings, Obstacle, WeightKind, steering};
 use flight_model::{Setpoint, State, wrap_pi};
 use optimizer::{Bounds, Mslpio, Optimizer, SettingsError, selection::nearest_to_ideal, stream};
 use std::time::Duration;
@@ -47,7 +47,7 @@ impl Pilot {
         Ok(Self {
             look_ahead: LookAhead::new(&controller.law, &controller.look_ahead, dynamics, *control_period_s),
             commander: Commander::new(&controller.law, dynamics, *control_period_s),
-            optimizer: Mslpio::new(settings.optimizer.clone())?,
+            optimizer: Mslpio::new(settings.optimizer)?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
             found: Vec::new(),
@@ -74,7 +74,20 @@ impl Pilot {
         let (weights, feasible) = self.pick_weights(settings, state, vehicle, tick);
         let solve = clock().saturating_sub(started);
         self.last_weights = Some(weights);
-        Decision { setpoint: self.command(settings, &state, weights), weights, feasible, solve }
+        Decision {
+            setpoint: command(
+                &settings.controller.law,
+                &settings.expected,
+                &self.commander,
+                &state,
+                &self.neighbours,
+                &self.obstacles,
+                weights,
+            ),
+            weights,
+            feasible,
+            solve,
+        }
     }
 
     /// Fills the buffers with what the vehicle sees.
@@ -90,11 +103,7 @@ impl Pilot {
         self.passages.clear();
         for &(_, index) in &self.found {
             let passages = around.forecast.vehicle(index as usize);
-            let now = passages[0];
-            self.neighbours.push(Neighbour {
-                position_m: Vec2::new(now.x_m, now.y_m),
-                velocity_mps: Vec2::new(now.vx_mps, now.vy_mps),
-            });
+            self.neighbours.push(Neighbour::of(&around.states[index as usize]));
             self.passages.extend_from_slice(passages);
         }
         let within =
@@ -139,29 +148,36 @@ impl Pilot {
             Err(_) => ([0.5 * (self.bounds[0].lower + self.bounds[0].upper); 3], false),
         }
     }
+}
 
-    /// Eq. 4 with the chosen weights, then Eq. 2.
-    fn command(&self, settings: &FlockSettings, state: &State, weights: [f64; 3]) -> Setpoint {
-        let (law, expected) = (&settings.controller.law, &settings.expected);
-        let position_m = Vec2::new(state.x_m, state.y_m);
-        let heading = heading(state);
-        let velocity_mps = heading * state.speed_mps;
-        let towards = steering::direction(law, expected, position_m, heading, &self.obstacles);
-        let [alpha_f, alpha_o, alpha_nv] = weights;
-        let demand_mps2 = terms::formation(law, position_m, &self.neighbours) * alpha_f
-            + terms::collision_avoidance(law, position_m, &self.neighbours)
-            + terms::obstacle_avoidance(law, expected.speed_mps, towards, velocity_mps) * alpha_o
-            + terms::neighbour_velocity(law, position_m, velocity_mps, &self.neighbours) * alpha_nv;
-        let (speed_mps, course_change_rad) = self.commander.horizontal(demand_mps2, state.speed_mps, heading);
-        Setpoint {
-            speed_mps,
-            course_rad: wrap_pi(state.course_rad + course_change_rad),
-            altitude_m: self.commander.altitude_m(law, expected.altitude_m, state),
-        }
+/// Eq. 4 with given weights, then Eq. 2.
+pub fn command(
+    law: &LawSettings,
+    expected: &Expected,
+    commander: &Commander,
+    state: &State,
+    neighbours: &[Neighbour],
+    obstacles: &[Obstacle],
+    weights: [f64; 3],
+) -> Setpoint {
+    let position_m = Vec2::new(state.x_m, state.y_m);
+    let heading = heading(state);
+    let velocity_mps = heading * state.speed_mps;
+    let towards = steering::direction(law, expected, position_m, heading, obstacles);
+    let [alpha_f, alpha_o, alpha_nv] = weights;
+    let demand_mps2 = terms::formation(law, position_m, neighbours) * alpha_f
+        + terms::collision_avoidance(law, position_m, neighbours)
+        + terms::obstacle_avoidance(law, expected.speed_mps, towards, velocity_mps) * alpha_o
+        + terms::neighbour_velocity(law, position_m, velocity_mps, neighbours) * alpha_nv;
+    let (speed_mps, course_change_rad) = commander.horizontal(demand_mps2, state.speed_mps, heading);
+    Setpoint {
+        speed_mps,
+        course_rad: wrap_pi(state.course_rad + course_change_rad),
+        altitude_m: commander.altitude_m(law, expected.altitude_m, state),
     }
 }
 
-fn heading(state: &State) -> Vec2 {
+pub fn heading(state: &State) -> Vec2 {
     let (sin, cos) = libm::sincos(state.course_rad);
     Vec2::new(cos, sin)
 }

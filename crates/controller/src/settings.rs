@@ -92,12 +92,25 @@ pub enum WeightKind {
     PerTerm,
 }
 
+/// How the neighbours are thought to fly while a vehicle looks ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ForecastKind {
+    /// Straight on (reading 11: neighbours are extrapolated).
+    Straight,
+    /// By the flocking law, each with the weights it was given last: the ground controller knows them, and a flock that
+    /// foresees its own evasions keeps apart where extrapolation does not (docs/reading.md has the figures).
+    Law,
+}
+
 /// The prediction on which constraints and costs are judged (reading 11).
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LookAheadSettings {
     /// Constraints are judged over this much predicted flight, s; never less than one control period.
     pub horizon_s: f64,
+    /// How the neighbours are thought to fly meanwhile.
+    pub forecast: ForecastKind,
     /// Least distance to any neighbour that satisfies the separation constraint, m.
     pub separation_m: f64,
     /// Least distance to any obstacle's edge that satisfies the clearance constraint, m.
@@ -135,7 +148,13 @@ impl Default for WeightSettings {
 
 impl Default for LookAheadSettings {
     fn default() -> Self {
-        Self { horizon_s: 3.0, separation_m: 3.0, clearance_m: 1.0, neighbours_max: 16 }
+        Self {
+            horizon_s: 3.0,
+            forecast: ForecastKind::Straight,
+            separation_m: 3.0,
+            clearance_m: 1.0,
+            neighbours_max: 16,
+        }
     }
 }
 
@@ -151,6 +170,7 @@ impl ControllerSettings {
     pub fn paper() -> Self {
         let mut settings = Self::default();
         settings.weights.kind = WeightKind::Shared;
+        settings.look_ahead.forecast = ForecastKind::Straight;
         settings
     }
 

@@ -5,6 +5,7 @@
 
 use crate::LawSettings;
 use crate::vector::Vec2;
+use flight_model::State;
 
 /// A neighbour's horizontal position and velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +14,14 @@ pub struct Neighbour {
     pub position_m: Vec2,
     /// v_j, m/s.
     pub velocity_mps: Vec2,
+}
+
+impl Neighbour {
+    /// The neighbour that a vehicle in this state is to others.
+    pub fn of(state: &State) -> Self {
+        let (vx_mps, vy_mps) = state.velocity_mps();
+        Self { position_m: Vec2::new(state.x_m, state.y_m), velocity_mps: Vec2::new(vx_mps, vy_mps) }
+    }
 }
 
 /// Eq. 5 without its weight: C_f sum (P_j - P_i) ln(d_ij / D_d) over the neighbours within D_c.

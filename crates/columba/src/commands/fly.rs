@@ -1,11 +1,9 @@
 //! `columba fly`: the controller, against whatever answers.
 
-use super::{Failure, block_on, conclude, start_threads, stop_on_signal};
+use super::{Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal};
 use crate::args::{Cli, FlyArgs};
 use crate::config::{self, Overrides, Scenario};
 use crate::flying::{self, Ground, Pace, Progress};
-use crate::record::RunFolder;
-use anyhow::Context;
 use std::net::SocketAddr;
 
 /// Where vehicles send their telemetry unasked.
@@ -16,19 +14,19 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     let overrides = Overrides { vehicle_port: args.vehicle_port, ..args.flight.overrides() };
     let scenario = config::load(args.config.as_deref(), &overrides)?;
     start_threads(cli)?;
-    let folder = RunFolder::create(&scenario.folder)?;
     let stop = stop_on_signal()?;
     let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
-    let (flight, log) = block_on(async {
+    let (folder, flight, log) = block_on(async {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
-        let mut ground =
-            Ground::bind(&scenario, address).context("the controller's port ([link] ground_port, --ground-port)")?;
+        let mut ground = Ground::bind(&scenario, address).map_err(|error| ground_port_refused(&scenario, error))?;
+        let folder = open_folder(&scenario)?;
         ground.expect(scenario.starts.len(), addresses(&scenario).as_deref());
-        if args.lockstep {
+        let (flight, log) = if args.lockstep {
             flying::fly_in_lockstep(&scenario, ground, None, &progress, stop).await
         } else {
             flying::fly_in_real_time(&scenario, ground, None, Pace { speed: args.speed }, &progress, stop).await
-        }
+        }?;
+        Ok((folder, flight, log))
     })?;
     drop(progress);
     conclude(cli, &scenario, &folder, &flight, Some(log), !args.flight.no_report)

@@ -16,8 +16,10 @@ use crate::flight::Flight;
 use crate::flying::{Log, Stop};
 use crate::record::{self, RunFolder};
 use crate::report;
-use anyhow::Context;
+use anyhow::{Context, anyhow};
+use std::fmt::Display;
 use std::future::Future;
+use std::io::{ErrorKind, IsTerminal, Write};
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 
@@ -39,7 +41,13 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 /// Warnings to standard error, or what RUST_LOG asks for.
 pub fn start_tracing() {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_target(false).init();
+    let colours = std::io::stderr().is_terminal();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(colours)
+        .with_target(false)
+        .init();
 }
 
 /// Set by Ctrl-C and by a polite kill. A second one ends the program at once.
@@ -69,6 +77,44 @@ fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Resul
         .build()
         .context("cannot start the runtime")?
         .block_on(future)
+}
+
+/// The run's folder, tried before the flight. Made last of all that can be refused, so that nothing is left of a run that is.
+fn open_folder(scenario: &Scenario) -> anyhow::Result<RunFolder> {
+    RunFolder::create(&scenario.folder).map_err(|error| {
+        let whence = scenario.provenance.of("output.folder", "--out");
+        anyhow!("{whence}: {error}: must be a folder that can be made and written into")
+    })
+}
+
+/// The controller's port that cannot be bound.
+fn ground_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
+    port_refused(scenario, "link.ground_port", "--ground-port", "a free port, or 0 for any", error.into())
+}
+
+/// A vehicle's port that cannot be bound.
+fn vehicle_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
+    let wanted = format!("the first of {} free ports in a row, or 0 for any", scenario.starts.len());
+    port_refused(scenario, "link.vehicle_port", "--vehicle-port", &wanted, error.into())
+}
+
+fn port_refused(scenario: &Scenario, key: &str, flag: &str, wanted: &str, error: anyhow::Error) -> anyhow::Error {
+    let no_such_host = error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
+        .any(|cause| cause.kind() == ErrorKind::AddrNotAvailable);
+    if no_such_host {
+        return anyhow!(
+            "{}: {error}: must be an address of this machine",
+            scenario.provenance.of("link.host", "the file")
+        );
+    }
+    anyhow!("{}: {error}: must be {wanted}", scenario.provenance.of(key, flag))
+}
+
+/// To standard output. A reader that has gone away wants no more.
+fn print_line(line: impl Display) {
+    let _ = writeln!(std::io::stdout().lock(), "{line}");
 }
 
 /// Writes what a flight leaves behind, says where, and how it ended.
@@ -102,7 +148,7 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
     let summary = &flight.summary;
     let metres = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.2} m"));
     let seconds = |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |value| format!("{value:.1} s"));
-    println!(
+    print_line(format_args!(
         "{}: {} UAVs, {} obstacles, {:.1} s flown in {:.2} s ({:.0} times real time, {})",
         scenario.name,
         summary.vehicles,
@@ -111,23 +157,23 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
         summary.wall_s,
         summary.real_time_factor,
         summary.transport
-    );
-    println!(
+    ));
+    print_line(format_args!(
         "  collisions: {} with obstacles, {} between UAVs; smallest separation {}, smallest clearance {}",
         summary.obstacle_collisions,
         summary.vehicle_collisions,
         metres(summary.min_separation_m),
         metres(summary.min_clearance_m)
-    );
-    println!(
+    ));
+    print_line(format_args!(
         "  past the last obstacle: {} of {}; speed converged {}, course {}, altitude {}",
         summary.passed_last_obstacle,
         summary.vehicles,
         seconds(summary.speed_convergence_s),
         seconds(summary.course_convergence_s),
         seconds(summary.altitude_settling_s)
-    );
+    ));
     let what = if with_report { "report" } else { "record" };
     let file = if with_report { "report.html" } else { "summary.json" };
-    println!("  {what}: {}", folder.path().join(file).display());
+    print_line(format_args!("  {what}: {}", folder.path().join(file).display()));
 }

@@ -1,12 +1,14 @@
 //! `columba run`: a scenario end to end.
 
-use super::{Failure, block_on, conclude, start_threads, stop_on_signal};
+use super::{
+    Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal, vehicle_port_refused,
+};
 use crate::args::{Cli, RunArgs, Transport};
 use crate::config::{self, Overrides, Scenario};
 use crate::flight::Flight;
 use crate::flying::{self, Ground, LOCKSTEP_EPOCH_US, Log, Pace, Progress, Stop, Truth};
 use crate::record::RunFolder;
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{Clock, Host, HostReport, LockstepSettings};
 use std::net::SocketAddr;
@@ -25,14 +27,16 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
         return Err(anyhow!("--speed needs --transport udp: a run in memory has no clock").into());
     }
     start_threads(cli)?;
-    let folder = RunFolder::create(&scenario.folder)?;
     let stop = stop_on_signal()?;
     let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
-    let (flight, log) = match args.transport {
-        Transport::Memory => (flying::fly_in_memory(&scenario, &progress, &stop)?, None),
+    let (folder, flight, log) = match args.transport {
+        Transport::Memory => {
+            let folder = open_folder(&scenario)?;
+            (folder, flying::fly_in_memory(&scenario, &progress, &stop)?, None)
+        }
         Transport::Udp => {
-            let (flight, log) = over_udp(&scenario, args.speed, &progress, stop)?;
-            (flight, Some(log))
+            let (folder, flight, log) = over_udp(&scenario, args.speed, &progress, stop)?;
+            (folder, flight, Some(log))
         }
     };
     drop(progress);
@@ -40,11 +44,16 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
 }
 
 /// The vehicles on a thread of their own, the controller on this one.
-fn over_udp(scenario: &Scenario, speed: Option<f64>, progress: &Progress, stop: Stop) -> anyhow::Result<(Flight, Log)> {
+fn over_udp(
+    scenario: &Scenario,
+    speed: Option<f64>,
+    progress: &Progress,
+    stop: Stop,
+) -> anyhow::Result<(RunFolder, Flight, Log)> {
     block_on(async {
         let mut ground =
             Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
-                .context("the controller's port ([link] ground_port, --ground-port)")?;
+                .map_err(|error| ground_port_refused(scenario, error))?;
         let (clock, base_port, epoch_us) = match speed {
             None => {
                 let lockstep = LockstepSettings { period: scenario.control_period, ..LockstepSettings::default() };
@@ -64,8 +73,7 @@ fn over_udp(scenario: &Scenario, speed: Option<f64>, progress: &Progress, stop: 
         let (tell_addresses, addresses) = oneshot::channel();
         let host: JoinHandle<anyhow::Result<HostReport>> = std::thread::spawn(move || {
             block_on(async move {
-                let host = Host::bind(&settings, vehicles)
-                    .context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
+                let host = Host::bind(&settings, vehicles)?;
                 let _ = tell_addresses.send(host.addresses().to_vec());
                 Ok(host.run(observer, stopped).await?)
             })
@@ -73,14 +81,18 @@ fn over_udp(scenario: &Scenario, speed: Option<f64>, progress: &Progress, stop: 
         let flown = match addresses.await {
             Ok(addresses) => {
                 ground.expect(addresses.len(), Some(&addresses));
-                Some(fly(scenario, ground, truth, speed, progress, stop).await)
+                Ok(fly(scenario, ground, truth, speed, progress, stop).await)
             }
-            // The host could not bind its ports, and says why when it is joined.
-            Err(_) => None,
+            Err(never_sent) => Err(never_sent),
         };
         stop_vehicles.send_replace(true);
-        host.join().map_err(|_| anyhow!("the vehicles' thread failed"))??;
-        flown.unwrap_or_else(|| Err(anyhow!("the vehicles did not start")))
+        let hosted = host.join().map_err(|_| anyhow!("the vehicles' thread failed"))?;
+        match (flown, hosted) {
+            // Without its addresses the host did not start, and has said why.
+            (Err(_), Err(error)) => Err(vehicle_port_refused(scenario, error)),
+            (Err(_), Ok(_)) => Err(anyhow!("the vehicles did not start")),
+            (Ok(flown), hosted) => hosted.and(flown),
+        }
     })
 }
 
@@ -91,9 +103,11 @@ async fn fly(
     speed: Option<f64>,
     progress: &Progress,
     stop: Stop,
-) -> anyhow::Result<(Flight, Log)> {
-    match speed {
+) -> anyhow::Result<(RunFolder, Flight, Log)> {
+    let folder = open_folder(scenario)?;
+    let (flight, log) = match speed {
         None => flying::fly_in_lockstep(scenario, ground, Some(truth), progress, stop).await,
         Some(speed) => flying::fly_in_real_time(scenario, ground, Some(truth), Pace { speed }, progress, stop).await,
-    }
+    }?;
+    Ok((folder, flight, log))
 }

@@ -1,6 +1,6 @@
 //! `columba vehicles`: the simulated vehicles alone.
 
-use super::{Failure, block_on, stop_on_signal};
+use super::{Failure, block_on, stop_on_signal, vehicle_port_refused};
 use crate::args::{Cli, VehiclesArgs};
 use crate::config::{self, Overrides};
 use crate::flying::{self, LOCKSTEP_EPOCH_US};
@@ -12,6 +12,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
+/// Ports where users' tools look.
 const VEHICLE_PORT: u16 = 14600;
 const GROUND_PORT: u16 = 14550;
 
@@ -34,16 +35,16 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     } else {
         (Clock::RealTime { speed: args.speed, tick: Duration::from_millis(5) }, now_us)
     };
-    let ground = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
+    let ground_port = scenario.link.ground_port.unwrap_or(GROUND_PORT);
+    let ground = (ground_port > 0).then(|| SocketAddr::new(scenario.link.host, ground_port));
     let impairment = scenario.link.impairment;
     let link =
         LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
     let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
     let settings = flying::host_settings(&scenario, clock, base_port, link);
-    let vehicles = flying::vehicle_settings(&scenario, Some(ground), epoch_us);
+    let vehicles = flying::vehicle_settings(&scenario, ground, epoch_us);
     let report = block_on(async {
-        let host = Host::bind(&settings, vehicles.clone())
-            .context("a vehicle's port ([link] vehicle_port, --vehicle-port)")?;
+        let host = Host::bind(&settings, vehicles.clone()).map_err(|error| vehicle_port_refused(&scenario, error))?;
         if args.json || !cli.quiet {
             let table = table(&vehicles, host.addresses(), ground, args.json);
             // Scripts wait for this: it must not stay in a buffer.
@@ -57,7 +58,7 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
 }
 
 /// Who is where on which port.
-fn table(vehicles: &[VehicleSettings], addresses: &[SocketAddr], ground: SocketAddr, json: bool) -> String {
+fn table(vehicles: &[VehicleSettings], addresses: &[SocketAddr], ground: Option<SocketAddr>, json: bool) -> String {
     let rows = vehicles.iter().zip(addresses).enumerate();
     if json {
         let rows: Vec<serde_json::Value> = rows
@@ -71,7 +72,10 @@ fn table(vehicles: &[VehicleSettings], addresses: &[SocketAddr], ground: SocketA
                 })
             })
             .collect();
-        return format!("{}\n", serde_json::json!({ "ground": ground.to_string(), "vehicles": rows }));
+        return format!(
+            "{}\n",
+            serde_json::json!({ "ground": ground.map(|address| address.to_string()), "vehicles": rows })
+        );
     }
     let mut table =
         format!("{:>7} {:>6}  {:<21} {:>9} {:>9} {:>8}\n", "vehicle", "system", "listens on", "x m", "y m", "alt m");
@@ -87,5 +91,6 @@ fn table(vehicles: &[VehicleSettings], addresses: &[SocketAddr], ground: SocketA
             start.altitude_m
         );
     }
-    table + &format!("telemetry to {ground} and to whoever speaks to a vehicle; Ctrl-C ends\n")
+    let unasked = ground.map(|address| format!("{address} and to ")).unwrap_or_default();
+    table + &format!("telemetry to {unasked}whoever speaks to a vehicle; Ctrl-C ends\n")
 }

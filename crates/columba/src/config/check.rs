@@ -15,19 +15,34 @@ pub struct Faults {
 pub struct Fault {
     /// As `table.key` or `table[2].key`, counted from one.
     pub key: String,
+    /// The setting's value.
     pub value: String,
+    /// What is at fault, where that is more than the key and its value.
+    pub subject: Option<String>,
+    /// What would be right, as `must be ...`.
     pub wanted: String,
 }
 
 /// Greatest length in a scenario, m: what single precision on the wire resolves to a centimetre.
 const LENGTH_MAX_M: f64 = 100_000.0;
-
-/// Most vehicles of a scenario.
-const VEHICLES_MAX: usize = 10_000;
+/// Most vehicles of a scenario, and most obstacles.
+pub const COUNT_MAX: usize = 10_000;
+/// Longest flight, s.
+pub const DURATION_MAX_S: f64 = 86_400.0;
+/// Greatest share of datagrams lost, duplicated or reordered: a link that loses everything would wait for ever.
+pub const SHARE_MAX: f64 = 0.95;
 
 impl Faults {
-    fn add(&mut self, key: impl Into<String>, value: impl Display, wanted: impl Into<String>) {
-        self.list.push(Fault { key: key.into(), value: value.to_string(), wanted: wanted.into() });
+    /// A setting with a wrong value.
+    fn add(&mut self, key: impl Into<String>, value: impl Display, wanted: impl Display) {
+        let wanted = format!("must be {wanted}");
+        self.list.push(Fault { key: key.into(), value: value.to_string(), subject: None, wanted });
+    }
+
+    /// A fault that is not of one setting alone.
+    fn add_subject(&mut self, key: impl Into<String>, subject: impl Into<String>, wanted: impl Into<String>) {
+        let subject = Some(subject.into());
+        self.list.push(Fault { key: key.into(), value: String::new(), subject, wanted: wanted.into() });
     }
 
     /// `low..=high`.
@@ -39,7 +54,7 @@ impl Faults {
 
     /// Above `low`, up to `high`.
     fn above(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
-        if !(value > low && value <= high) {
+        if low < high && !(value > low && value <= high) {
             self.add(key, value, format!("a number greater than {low} and at most {high}"));
         }
     }
@@ -70,32 +85,36 @@ fn scenario(file: &ScenarioFile, faults: &mut Faults) {
             "a name of at least one visible character on one line",
         );
     }
-    faults.above("scenario.control_period_s", table.control_period_s, 0.0, 10.0);
-    faults.within("scenario.duration_s", table.duration_s, table.control_period_s.max(0.0), 86_400.0);
-    faults.within("scenario.origin.latitude_deg", table.origin.latitude_deg, -85.0, 85.0);
-    faults.within("scenario.origin.longitude_deg", table.origin.longitude_deg, -180.0, 180.0);
-    faults.within("scenario.origin.altitude_amsl_m", table.origin.altitude_amsl_m, -500.0, 9_000.0);
     let (period_s, step_s) = (table.control_period_s, file.dynamics.integration_step_s);
     faults.within("dynamics.integration_step_s", step_s, 0.001, 0.1);
-    if !is_multiple(period_s, 0.001) || !is_multiple(period_s, step_s) {
+    faults.within("scenario.control_period_s", period_s, 0.001, 10.0);
+    if !is_multiple(step_s, 0.001) && (0.001..=0.1).contains(&step_s) {
+        faults.add("dynamics.integration_step_s", step_s, "whole milliseconds");
+    } else if !is_multiple(period_s, step_s) && (0.001..=0.1).contains(&step_s) && (0.001..=10.0).contains(&period_s) {
         faults.add(
             "scenario.control_period_s",
             period_s,
-            format!("whole milliseconds and a multiple of dynamics.integration_step_s = {step_s}"),
+            format!("a multiple of dynamics.integration_step_s = {step_s}"),
         );
     }
-    if !is_multiple(step_s, 0.001) {
-        faults.add("dynamics.integration_step_s", step_s, "whole milliseconds");
+    if table.duration_s < period_s {
+        let wanted = format!("at least one control period (scenario.control_period_s = {period_s})");
+        faults.add("scenario.duration_s", table.duration_s, wanted);
     }
+    faults.within("scenario.duration_s", table.duration_s, 0.0, DURATION_MAX_S);
+    faults.within("scenario.origin.latitude_deg", table.origin.latitude_deg, -85.0, 85.0);
+    faults.within("scenario.origin.longitude_deg", table.origin.longitude_deg, -180.0, 180.0);
+    faults.within("scenario.origin.altitude_amsl_m", table.origin.altitude_amsl_m, -500.0, 9_000.0);
     let (slowest, fastest) = (file.dynamics.speed_min_mps, file.dynamics.speed_max_mps);
     faults.within("flock.expected_speed_mps", file.flock.expected_speed_mps, slowest, fastest);
     faults.within("flock.expected_course_deg", file.flock.expected_course_deg, -360.0, 360.0);
     faults.within("flock.expected_altitude_m", file.flock.expected_altitude_m, -1_000.0, 20_000.0);
 }
 
+/// Whether a value is a whole number of units, at least one.
 fn is_multiple(value: f64, unit: f64) -> bool {
     let ratio = value / unit;
-    (ratio - ratio.round()).abs() < 1e-6
+    ratio.round() >= 1.0 && (ratio - ratio.round()).abs() < 1e-6
 }
 
 fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
@@ -109,7 +128,7 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
         faults.within(key("course_deg"), vehicle.course_deg, -360.0, 360.0);
     }
     if let Some(pattern) = &file.vehicles {
-        faults.whole("vehicles.count", pattern.count, 1, VEHICLES_MAX);
+        faults.whole("vehicles.count", pattern.count, 1, COUNT_MAX);
         faults.within("vehicles.spacing_m", pattern.spacing_m, 2.0 * COLLISION_DISTANCE_M, 1_000.0);
         faults.within("vehicles.x_m", pattern.x_m, -LENGTH_MAX_M, LENGTH_MAX_M);
         faults.within("vehicles.y_m", pattern.y_m, -LENGTH_MAX_M, LENGTH_MAX_M);
@@ -125,13 +144,18 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
     }
     match (file.vehicle.len(), &file.vehicles) {
         (0, None) => {
-            faults.add("vehicle", "none", "at least one [[vehicle]], or [vehicles] with a count: the flock is empty")
+            let wanted = "must have at least one [[vehicle]], or a [vehicles] table with a count";
+            faults.add_subject("vehicle", "the flock is empty", wanted);
         }
         (count, Some(_)) if count > 0 => {
-            faults.add("vehicles", "beside [[vehicle]]", "either [[vehicle]] tables or one [vehicles], not both");
+            let wanted = "must be either [[vehicle]] tables or one [vehicles]";
+            faults.add_subject("vehicles", "[vehicles] stands beside [[vehicle]]", wanted);
         }
-        (count, _) if count > VEHICLES_MAX => faults.whole("vehicle", count, 1, VEHICLES_MAX),
+        (count, _) if count > COUNT_MAX => faults.add_subject("vehicle", format!("{count} vehicles"), too_many()),
         _ => {}
+    }
+    if file.obstacle.len() > COUNT_MAX {
+        faults.add_subject("obstacle", format!("{} obstacles", file.obstacle.len()), too_many());
     }
     for (index, obstacle) in file.obstacle.iter().enumerate() {
         let key = |name: &str| format!("obstacle[{}].{name}", index + 1);
@@ -139,6 +163,10 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
         faults.within(key("y_m"), obstacle.y_m, -LENGTH_MAX_M, LENGTH_MAX_M);
         faults.above(key("radius_m"), obstacle.radius_m, 0.0, 10_000.0);
     }
+}
+
+fn too_many() -> String {
+    format!("must be at most {COUNT_MAX}")
 }
 
 fn controller(file: &ScenarioFile, faults: &mut Faults) {
@@ -173,7 +201,12 @@ fn controller(file: &ScenarioFile, faults: &mut Faults) {
 
 fn optimizer(file: &ScenarioFile, faults: &mut Faults) {
     if let Err(error) = super::scenario::optimizer_settings(&file.optimizer).validate() {
-        faults.add(format!("optimizer.{}", error.setting), error.value, error.range);
+        let key = format!("optimizer.{}", error.setting);
+        faults.add(
+            key,
+            error.value,
+            error.range.strip_prefix("from").map_or(error.range.to_owned(), |range| format!("a number from{range}")),
+        );
     }
 }
 
@@ -215,18 +248,24 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
         faults.add("link.host", format!("{:?}", link.host), "an IP address, such as 127.0.0.1");
     }
     let count = file.vehicle.len().max(file.vehicles.map_or(0, |pattern| pattern.count));
-    if let Some(port) = link.vehicle_port.filter(|&port| port > 0 && usize::from(port) + count > 65_536) {
-        faults.add(
-            "link.vehicle_port",
-            port,
-            format!("at most {} for {count} vehicles", 65_536_usize.saturating_sub(count)),
-        );
+    if let Some(first) = link.vehicle_port.filter(|&port| port > 0) {
+        let ports = usize::from(first)..usize::from(first) + count;
+        if ports.end > 65_536 {
+            faults.add(
+                "link.vehicle_port",
+                first,
+                format!("at most {} for {count} vehicles", 65_536_usize.saturating_sub(count)),
+            );
+        }
+        if let Some(port) = link.ground_port.filter(|&port| ports.contains(&port.into())) {
+            let wanted = format!("none of the vehicles' ports, {first} to {}", ports.end - 1);
+            faults.add("link.ground_port", port, wanted);
+        }
     }
     for (key, value) in
         [("link.loss", link.loss), ("link.duplication", link.duplication), ("link.reordering", link.reordering)]
     {
-        // A link that loses everything would wait for ever.
-        faults.within(key, value, 0.0, 0.95);
+        faults.within(key, value, 0.0, SHARE_MAX);
     }
     faults.within("link.delay_ms", link.delay_ms, 0.0, 60_000.0);
     faults.within("link.jitter_ms", link.jitter_ms, 0.0, 60_000.0);
@@ -235,9 +274,15 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     }
 }
 
-/// No two vehicles in one place, none inside a circle.
-pub fn starts(scenario: &Scenario, faults: &mut Faults) {
-    let key = |index: usize| format!("vehicle[{}]", index + 1);
+/// No two vehicles in one place, none inside a circle, none out of reach.
+pub fn starts(scenario: &Scenario, by_pattern: bool, faults: &mut Faults) {
+    let mut add = |index: usize, wanted: String| {
+        let start = &scenario.starts[index];
+        let key = if by_pattern { "vehicles".to_owned() } else { format!("vehicle[{}]", index + 1) };
+        // Hundredths are enough to find a vehicle of a pattern.
+        let [x_m, y_m] = [start.x_m, start.y_m].map(|value| (value * 100.0).round() / 100.0);
+        faults.add_subject(key, format!("vehicle {} at x_m = {x_m}, y_m = {y_m}", index + 1), wanted);
+    };
     // Sorted by northing, only vehicles within the collision distance in x need to be compared.
     let mut order: Vec<usize> = (0..scenario.starts.len()).collect();
     order.sort_by(|&a, &b| scenario.starts[a].x_m.total_cmp(&scenario.starts[b].x_m));
@@ -249,24 +294,28 @@ pub fn starts(scenario: &Scenario, faults: &mut Faults) {
             if dx >= COLLISION_DISTANCE_M {
                 break;
             }
-            if dx * dx + dy * dy < COLLISION_DISTANCE_M * COLLISION_DISTANCE_M {
-                let place = format!("at x {} m, y {} m", scenario.starts[a.max(b)].x_m, scenario.starts[a.max(b)].y_m);
+            let distance_m = (dx * dx + dy * dy).sqrt();
+            if distance_m < COLLISION_DISTANCE_M {
                 let wanted = format!(
-                    "at least {COLLISION_DISTANCE_M} m from vehicle {}, which starts in the same place",
+                    "must be at least {COLLISION_DISTANCE_M} m from vehicle {}, which starts {distance_m:.2} m away",
                     a.min(b) + 1
                 );
-                faults.add(key(a.max(b)), place, wanted);
+                add(a.max(b), wanted);
             }
         }
     }
     for (index, start) in scenario.starts.iter().enumerate() {
+        if !(start.x_m.abs() <= LENGTH_MAX_M && start.y_m.abs() <= LENGTH_MAX_M) {
+            add(index, format!("must be within {LENGTH_MAX_M} m of the origin in x and y"));
+        }
         for (number, obstacle) in scenario.obstacles.iter().enumerate() {
             let clearance_m = obstacle.clearance_m(start.x_m, start.y_m);
             if clearance_m <= 0.0 {
-                let place = format!("at x {} m, y {} m", start.x_m, start.y_m);
-                let wanted =
-                    format!("outside obstacle {} (it starts {:.2} m inside its edge)", number + 1, -clearance_m);
-                faults.add(key(index), place, wanted);
+                let inside_m = -clearance_m;
+                add(
+                    index,
+                    format!("must be outside obstacle {}, {inside_m:.2} m inside whose edge it starts", number + 1),
+                );
             }
         }
     }

@@ -4,32 +4,46 @@ use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use serde::{Deserialize, Serialize};
 
 /// The whole file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioFile {
+    /// What the law, the weights and the look-ahead start from.
     #[serde(default)]
     pub preset: Preset,
+    /// What is flown, and for how long.
     pub scenario: ScenarioTable,
+    /// What the flock is to settle on.
     pub flock: FlockTable,
+    /// Starts one by one.
     #[serde(default, rename = "vehicle")]
     pub vehicle: Vec<VehicleTable>,
+    /// Or starts by a pattern.
     pub vehicles: Option<PatternTable>,
+    /// The circles.
     #[serde(default, rename = "obstacle")]
     pub obstacle: Vec<ObstacleTable>,
+    /// The flocking law (Eq. 4-12).
     #[serde(default)]
     pub law: LawSettings,
+    /// The weights that the optimiser picks.
     #[serde(default)]
     pub weights: WeightSettings,
+    /// The predicted flight on which a choice is judged.
     #[serde(default)]
     pub look_ahead: LookAheadSettings,
+    /// Who picks the weights.
     #[serde(default)]
     pub optimizer: OptimizerTable,
+    /// How vehicles fly (Eq. 1 and 3).
     #[serde(default)]
     pub dynamics: DynamicsTable,
+    /// What they do beside flying.
     #[serde(default)]
     pub autopilot: AutopilotTable,
+    /// The link.
     #[serde(default)]
     pub link: LinkTable,
+    /// Where a run is written.
     #[serde(default)]
     pub output: OutputTable,
 }
@@ -47,15 +61,21 @@ pub enum Preset {
     Literal,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+/// What is flown, and for how long.
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioTable {
+    /// The flight's name, which names its folder too.
     pub name: String,
+    /// T_max, s; the last control period is flown whole.
     pub duration_s: f64,
+    /// T, s.
     #[serde(default = "half")]
     pub control_period_s: f64,
+    /// Seed of every random number.
     #[serde(default = "one")]
     pub seed: u64,
+    /// Where on Earth the local frame is.
     #[serde(default)]
     pub origin: OriginTable,
 }
@@ -68,11 +88,15 @@ fn one() -> u64 {
     1
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// The local origin, WGS-84.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OriginTable {
+    /// WGS-84 latitude, degrees.
     pub latitude_deg: f64,
+    /// WGS-84 longitude, degrees.
     pub longitude_deg: f64,
+    /// Altitude above mean sea level, m.
     pub altitude_amsl_m: f64,
 }
 
@@ -82,43 +106,59 @@ impl Default for OriginTable {
     }
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// What the flock is to settle on.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FlockTable {
+    /// V_e, m/s.
     pub expected_speed_mps: f64,
+    /// Degrees from north towards east.
     #[serde(default)]
     pub expected_course_deg: f64,
+    /// h_e, m above the origin.
     pub expected_altitude_m: f64,
 }
 
 /// One vehicle's start, in the air.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleTable {
+    /// North of the origin, m.
     pub x_m: f64,
+    /// East of the origin, m.
     pub y_m: f64,
+    /// Above the origin, m.
     pub altitude_m: f64,
+    /// Horizontal speed, m/s.
     pub speed_mps: f64,
+    /// Degrees from north towards east.
     #[serde(default)]
     pub course_deg: f64,
 }
 
 /// Many vehicles' starts.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PatternTable {
+    /// How many.
     pub count: usize,
+    /// How they are laid out.
     #[serde(default)]
     pub pattern: Pattern,
+    /// Between neighbours, m.
     #[serde(default = "twelve")]
     pub spacing_m: f64,
+    /// Northing of the pattern's front, m.
     #[serde(default)]
     pub x_m: f64,
+    /// Easting of the pattern's middle, m.
     #[serde(default)]
     pub y_m: f64,
-    /// The expected ones where not given.
+    /// Above the origin, m; the expected one where absent.
     pub altitude_m: Option<f64>,
+    /// Horizontal speed, m/s; the expected one where absent.
     pub speed_mps: Option<f64>,
+    /// Degrees from north towards east; the expected one where absent.
     pub course_deg: Option<f64>,
 }
 
@@ -155,26 +195,39 @@ pub enum Pattern {
     Random,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// A circle to keep out of.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleTable {
+    /// Northing of the centre, m.
     pub x_m: f64,
+    /// Easting of the centre, m.
     pub y_m: f64,
+    /// Radius, m.
     pub radius_m: f64,
 }
 
 /// The optimiser; the names are those of `optimizer::MslpioSettings`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OptimizerTable {
+    /// Which one.
     pub algorithm: Algorithm,
+    /// M of Eq. 13.
     pub base_population: usize,
+    /// D of Eq. 13.
     pub dimension_setting: usize,
+    /// The social coefficient a.
     pub social_coefficient: f64,
+    /// The map and compass factor R.
     pub map_and_compass_factor: f64,
+    /// N_max.
     pub iterations: usize,
+    /// N_removed.
     pub removed_per_iteration: usize,
+    /// Greatest velocity, as a share of each weight's range.
     pub velocity_limit: f64,
+    /// Greatest size of the archive.
     pub archive_capacity: usize,
 }
 
@@ -205,19 +258,30 @@ impl Default for OptimizerTable {
 }
 
 /// Eq. 1 and 3.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DynamicsTable {
+    /// tau_v of Eq. 1, s.
     pub speed_time_constant_s: f64,
+    /// tau_chi of Eq. 1, s.
     pub course_time_constant_s: f64,
+    /// tau_a of Eq. 1, s.
     pub altitude_time_constant_a_s: f64,
+    /// tau_b of Eq. 1, s.
     pub altitude_time_constant_b_s: f64,
+    /// Least speed, m/s.
     pub speed_min_mps: f64,
+    /// Greatest speed, m/s.
     pub speed_max_mps: f64,
+    /// Fastest descent, m/s, negative.
     pub climb_min_mps: f64,
+    /// Fastest climb, m/s.
     pub climb_max_mps: f64,
+    /// n_max: the greatest lateral acceleration, in g.
     pub lateral_overload_max: f64,
+    /// g, m/s2.
     pub gravity_mps2: f64,
+    /// Step of the integration, s, at which flights are judged too.
     pub integration_step_s: f64,
 }
 
@@ -241,20 +305,28 @@ impl Default for DynamicsTable {
 }
 
 /// What a simulated vehicle does beside flying.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AutopilotTable {
     /// Without a setpoint for this long a vehicle in GUIDED loiters; 0: never.
     pub setpoint_timeout_s: f64,
+    /// Radius of the circle, m.
     pub loiter_radius_m: f64,
     /// Whether vehicles start armed; else they wait at their start until armed.
     pub armed: bool,
+    /// HEARTBEAT.
     pub heartbeat_hz: f64,
+    /// SYS_STATUS.
     pub sys_status_hz: f64,
+    /// SYSTEM_TIME.
     pub system_time_hz: f64,
+    /// ATTITUDE.
     pub attitude_hz: f64,
+    /// GLOBAL_POSITION_INT.
     pub global_position_int_hz: f64,
+    /// VFR_HUD.
     pub vfr_hud_hz: f64,
+    /// LOCAL_POSITION_NED.
     pub local_position_ned_hz: f64,
 }
 
@@ -278,7 +350,7 @@ impl Default for AutopilotTable {
 }
 
 /// The MAVLink link between vehicles and controller.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LinkTable {
     /// Address that everything binds to.
@@ -290,12 +362,15 @@ pub struct LinkTable {
     pub ground_port: Option<u16>,
     /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
-    /// Probabilities that a datagram is lost, sent twice, or overtaken by the next, each way.
+    /// Share of datagrams that are lost, each way.
     pub loss: f64,
+    /// Share that arrives twice.
     pub duplication: f64,
+    /// Share that is overtaken by the next.
     pub reordering: f64,
-    /// Delay of every datagram, and what is added to it at random, each way.
+    /// Delay of every datagram, ms, each way.
     pub delay_ms: f64,
+    /// What is added to it at random, up to, ms.
     pub jitter_ms: f64,
 }
 
@@ -327,7 +402,7 @@ impl Default for LinkTable {
 }
 
 /// Where a run is written.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputTable {
     /// The run's folder; `runs/<name>` where absent.

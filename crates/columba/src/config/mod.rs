@@ -1,13 +1,18 @@
-//! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check.rs` its rules.
+//! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check.rs` its rules;
+//! `source.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where.
 
 mod check;
 mod file;
 mod patterns;
 mod preset;
+mod provenance;
+mod refusal;
 mod scenario;
 mod source;
 
+pub use check::{COUNT_MAX, DURATION_MAX_S, SHARE_MAX};
 pub use file::{Algorithm, Pattern, Preset, SetpointDialect};
+pub use provenance::Provenance;
 pub use scenario::{Link, Overrides, Scenario};
 pub use source::ConfigError;
 
@@ -29,19 +34,25 @@ pub fn load(path: Option<&Path>, overrides: &Overrides) -> Result<Scenario, Conf
         Some(path) => Source::read(path)?,
         None => Source::new(PAPER_NAME, PAPER),
     };
-    parse(&source, overrides)
+    parse(source, overrides)
 }
 
-fn parse(source: &Source, overrides: &Overrides) -> Result<Scenario, ConfigError> {
+fn parse(source: Source, overrides: &Overrides) -> Result<Scenario, ConfigError> {
     let mut file: ScenarioFile = source.parse()?;
     overrides.apply(&mut file);
-    preset::apply(&mut file, source)?;
+    preset::apply(&mut file, &source)?;
+    let by_pattern = file.vehicles.is_some();
+    let provenance = Provenance::new(source, overrides);
     let mut faults = check::Faults::default();
     check::tables(&file, &mut faults);
-    source.refuse(&faults)?;
-    let scenario = Scenario::new(file);
-    check::starts(&scenario, &mut faults);
-    source.refuse(&faults)?;
+    provenance.refuse(&faults)?;
+    let mut scenario = Scenario::new(file, provenance);
+    check::starts(&scenario, by_pattern, &mut faults);
+    scenario.provenance.refuse(&faults)?;
+    // A path need not be text: it does not go through the file's table.
+    if let Some(folder) = &overrides.folder {
+        scenario.folder.clone_from(folder);
+    }
     Ok(scenario)
 }
 

@@ -4,7 +4,7 @@ use super::file::{Preset, ScenarioFile};
 use super::source::{ConfigError, Source};
 use controller::ControllerSettings;
 use serde::{Serialize, de::DeserializeOwned};
-use toml_edit::{Item, Table};
+use toml_edit::{DocumentMut, Item};
 
 /// Lets the file's tables change the preset instead of the defaults they were read with.
 pub fn apply(file: &mut ScenarioFile, source: &Source) -> Result<(), ConfigError> {
@@ -13,20 +13,20 @@ pub fn apply(file: &mut ScenarioFile, source: &Source) -> Result<(), ConfigError
         Preset::Paper => ControllerSettings::paper(),
         Preset::Literal => ControllerSettings::literal(),
     };
-    let document = source.document();
-    let written =
-        |table: &str| document.as_ref().and_then(|document| document.get(table)).and_then(Item::as_table_like);
-    file.law = overlay(&base.law, written("law")).unwrap_or(base.law);
-    file.weights = overlay(&base.weights, written("weights")).unwrap_or(base.weights);
-    file.look_ahead = overlay(&base.look_ahead, written("look_ahead")).unwrap_or(base.look_ahead);
+    let written = source.written();
+    // The tables have been read once already: what is written is right, and only the base beneath it changes.
+    let refuse = |error: String| ConfigError::new(vec![format!("{}: {error}", source.name())]);
+    file.law = overlay(&base.law, written.get("law")).map_err(refuse)?;
+    file.weights = overlay(&base.weights, written.get("weights")).map_err(refuse)?;
+    file.look_ahead = overlay(&base.look_ahead, written.get("look_ahead")).map_err(refuse)?;
     Ok(())
 }
 
 /// `base` with the keys that are written.
-fn overlay<T: Serialize + DeserializeOwned>(base: &T, written: Option<&dyn toml_edit::TableLike>) -> Option<T> {
-    let mut table: Table = toml_edit::ser::to_document(base).ok()?.as_table().clone();
-    for (key, item) in written?.iter() {
-        table.insert(key, item.clone());
+fn overlay<T: Serialize + DeserializeOwned>(base: &T, written: Option<&Item>) -> Result<T, String> {
+    let mut document: DocumentMut = toml_edit::ser::to_document(base).map_err(|error| error.to_string())?;
+    for (key, item) in written.and_then(Item::as_table_like).into_iter().flat_map(|table| table.iter()) {
+        document.insert(key, item.clone());
     }
-    toml_edit::de::from_str(&table.to_string()).ok()
+    toml_edit::de::from_document(document).map_err(|error| error.message().to_owned())
 }

@@ -1,11 +1,12 @@
 //! A checked scenario: what flies.
 
 use super::file::{Algorithm, AutopilotTable, OptimizerTable, PatternTable, Preset, ScenarioFile, SetpointDialect};
-use super::patterns;
+use super::{Provenance, patterns};
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
 use mavlink_bridge::ImpairmentSettings;
 use optimizer::MslpioSettings;
+use std::fmt::Display;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,31 +14,54 @@ use std::time::Duration;
 /// A flight as it is to be flown: every value is in its range.
 #[derive(Clone, Debug)]
 pub struct Scenario {
+    /// The flight's name.
     pub name: String,
+    /// Seed of every random number.
     pub seed: u64,
+    /// What the controller's settings started from.
     pub preset: Preset,
+    /// Who picks the weights.
     pub algorithm: Algorithm,
+    /// Flight time asked for; [`ticks`](Scenario::ticks) says what is flown.
     pub duration: Duration,
+    /// T.
     pub control_period: Duration,
+    /// Step at which vehicles are integrated and judged.
     pub integration_step: Duration,
+    /// The local frame.
     pub frame: LocalFrame,
+    /// What the flock is to settle on.
     pub expected: Expected,
+    /// Where and how each vehicle starts.
     pub starts: Vec<State>,
+    /// The circles.
     pub obstacles: Vec<Obstacle>,
+    /// How vehicles fly.
     pub dynamics: Dynamics,
+    /// Law, weights and look-ahead.
     pub controller: ControllerSettings,
+    /// Settings of the optimiser.
     pub optimizer: MslpioSettings,
+    /// What vehicles do beside flying.
     pub autopilot: AutopilotTable,
+    /// The link.
     pub link: Link,
+    /// The run's folder.
     pub folder: PathBuf,
+    /// Where the settings came from, for what proves wrong only when it is tried.
+    pub provenance: Provenance,
 }
 
 /// The link between vehicles and controller.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
+    /// Address that everything binds to.
     pub host: IpAddr,
+    /// First vehicle's port; 0: any free ports.
     pub vehicle_port: Option<u16>,
+    /// Controller's port; 0: any free one.
     pub ground_port: Option<u16>,
+    /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
     /// The same each way.
     pub impairment: ImpairmentSettings,
@@ -46,18 +70,46 @@ pub struct Link {
 /// What the command line changes of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
+    /// `--seed`.
     pub seed: Option<u64>,
+    /// `--preset`.
     pub preset: Option<Preset>,
+    /// `--duration`, s.
     pub duration_s: Option<f64>,
+    /// `--out`.
     pub folder: Option<PathBuf>,
+    /// `--vehicle-port`.
     pub vehicle_port: Option<u16>,
+    /// `--ground-port`.
     pub ground_port: Option<u16>,
+    /// `--loss`, a share.
     pub loss: Option<f64>,
-    /// Replaces the file's vehicles by so many in a pattern.
+    /// `--count`: replaces the file's vehicles by so many in a pattern.
     pub count: Option<usize>,
 }
 
 impl Overrides {
+    /// The keys that are changed, each with the flag and the value that change it.
+    pub(super) fn flags(&self) -> Vec<(&'static str, String)> {
+        fn flag(key: &'static str, name: &str, value: Option<impl Display>) -> Option<(&'static str, String)> {
+            value.map(|value| (key, format!("{name} {value}")))
+        }
+        let folder = self.folder.as_ref().map(|folder| folder.display());
+        [
+            flag("scenario.seed", "--seed", self.seed),
+            flag("scenario.duration_s", "--duration", self.duration_s),
+            flag("output.folder", "--out", folder),
+            flag("link.vehicle_port", "--vehicle-port", self.vehicle_port),
+            flag("link.ground_port", "--ground-port", self.ground_port),
+            flag("link.loss", "--loss", self.loss),
+            flag("vehicles", "--count", self.count),
+            flag("vehicles.count", "--count", self.count),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
     pub(super) fn apply(&self, file: &mut ScenarioFile) {
         let replace = |value: &mut Option<u16>, with: Option<u16>| *value = with.or(*value);
         replace(&mut file.link.vehicle_port, self.vehicle_port);
@@ -66,9 +118,6 @@ impl Overrides {
         file.scenario.duration_s = self.duration_s.unwrap_or(file.scenario.duration_s);
         file.preset = self.preset.unwrap_or(file.preset);
         file.link.loss = self.loss.unwrap_or(file.link.loss);
-        if let Some(folder) = &self.folder {
-            file.output.folder = Some(folder.display().to_string());
-        }
         if let Some(count) = self.count {
             file.vehicle.clear();
             let pattern = file.vehicles.take();
@@ -79,7 +128,7 @@ impl Overrides {
 
 impl Scenario {
     /// From a file whose settings are all in range.
-    pub(super) fn new(file: ScenarioFile) -> Self {
+    pub(super) fn new(file: ScenarioFile, provenance: Provenance) -> Self {
         let expected = Expected {
             speed_mps: file.flock.expected_speed_mps,
             course_rad: flight_model::wrap_pi(file.flock.expected_course_deg.to_radians()),
@@ -124,6 +173,7 @@ impl Scenario {
                 },
             },
             folder,
+            provenance,
             name: file.scenario.name,
         }
     }
@@ -138,7 +188,7 @@ impl Scenario {
     pub fn flock_settings(&self) -> FlockSettings {
         FlockSettings {
             controller: self.controller.clone(),
-            optimizer: self.optimizer.clone(),
+            optimizer: self.optimizer,
             seed: self.seed,
             control_period_s: self.control_period.as_secs_f64(),
             expected: self.expected,

@@ -1,97 +1,224 @@
-//! The text of a scenario file, and messages that point into it.
+//! The text of a scenario file, and what stands where in it.
 
-use super::check::Faults;
+use super::refusal;
 use serde::de::DeserializeOwned;
+use std::io::Read;
+use std::ops::Range;
 use std::path::Path;
-use toml_edit::{Document, Item};
+use toml_edit::{Document, DocumentMut, Item, TableLike, Value};
 
-/// What is wrong with a scenario file: one line for each fault, which names file, line, key, value and what would be right.
+/// What is wrong with a scenario: one line for each fault, which names file, line, key, value and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .lines.join("\n"))]
 pub struct ConfigError {
     lines: Vec<String>,
 }
 
+impl ConfigError {
+    pub(super) fn new(lines: Vec<String>) -> Self {
+        Self { lines }
+    }
+}
+
 /// A file's name and text.
+#[derive(Clone, Debug)]
 pub struct Source {
     name: String,
     text: String,
 }
+
+/// Where a key stands.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Found {
+    /// Its line, counted from one; that of the nearest table that would hold it, where it is absent.
+    pub line: usize,
+    /// Its value as it is written; none where the key is absent or a table.
+    pub value: Option<String>,
+}
+
+/// Longer files are not scenarios: ten thousand vehicles need one megabyte.
+const BYTES_MAX: u64 = 32 << 20;
+
+/// Of a value that is quoted in a message, no more than this.
+const QUOTED_CHARS_MAX: usize = 60;
 
 impl Source {
     pub fn new(name: &str, text: &str) -> Self {
         Self { name: name.to_owned(), text: text.to_owned() }
     }
 
+    /// Reads a file whole, unless it is no text.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let name = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => Ok(Self { name, text }),
-            Err(error) => Err(ConfigError { lines: vec![format!("{name}: cannot be read: {error}")] }),
+        let refuse = |what: String| ConfigError::new(vec![format!("{name}: {what}: must be a scenario file (TOML)")]);
+        if path.is_dir() {
+            return Err(refuse("is a folder".to_owned()));
         }
+        let mut bytes = Vec::new();
+        let read = std::fs::File::open(path).and_then(|file| file.take(BYTES_MAX + 1).read_to_end(&mut bytes));
+        match read {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                return Err(refuse("there is no such file".to_owned()));
+            }
+            Err(error) => return Err(refuse(format!("cannot be read: {error}"))),
+            Ok(_) if bytes.len() as u64 > BYTES_MAX => {
+                return Err(refuse(format!("is longer than {} MB", BYTES_MAX >> 20)));
+            }
+            Ok(_) => {}
+        }
+        String::from_utf8(bytes).map(|text| Self::new(&name, &text)).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let line = line_at(error.as_bytes(), valid);
+            let byte = error.as_bytes().get(valid).copied().unwrap_or_default();
+            ConfigError::new(vec![format!(
+                "{name}:{line}: byte 0x{byte:02x} is not UTF-8: must be a text file in UTF-8"
+            )])
+        })
+    }
+
+    /// The name under which messages speak of it.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// The file as a value of `T`; a syntax error, an unknown key or a wrong type is told by line.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        toml_edit::de::from_str(&self.text).map_err(|error| {
-            let place = match error.span() {
-                Some(span) => self.place(self.line_at(span.start), self.text.get(span)),
-                None => self.name.clone(),
+        let parsed: Result<T, _> = toml_edit::de::from_str(&self.text);
+        let misplaced = self.document().and_then(|document| misplaced_array(document.as_table(), ""));
+        match (parsed, misplaced) {
+            (Err(error), None) => Err(self.refuse_serde(&error)),
+            (Err(error), Some(_)) if refusal::is_unknown_key(error.message()) => Err(self.refuse_serde(&error)),
+            (_, Some((key, span))) => Err(self.refuse_at(span.start, &format!("{key}: {}", refusal::TABLE_ONCE))),
+            (Ok(value), None) => Ok(value),
+        }
+    }
+
+    /// The document as it is written; empty where it is none.
+    pub fn written(&self) -> DocumentMut {
+        self.text.parse().unwrap_or_default()
+    }
+
+    /// Where a key such as `obstacle[2].radius_m` stands; rows are counted from one, as people and the report do.
+    pub fn find(&self, key: &str) -> Option<Found> {
+        let document = self.document()?;
+        let mut table: &dyn TableLike = document.as_table();
+        let mut found = None;
+        let mut parts = key.split('.').peekable();
+        while let Some(part) = parts.next() {
+            let (name, index) = match part.split_once('[') {
+                Some((name, rest)) => (name, rest.trim_end_matches(']').parse::<usize>().unwrap_or(1)),
+                None => (part, 1),
             };
-            ConfigError { lines: vec![format!("{place}: {}", error.message().trim().replace('\n', "; "))] }
-        })
+            let Some(item) = table.get(name) else { break };
+            let row = rows(item).into_iter().nth(index.saturating_sub(1));
+            let Some(span) = row.as_ref().map_or_else(|| item.span(), |row| row.span.clone()) else { break };
+            let value = (row.is_none() && parts.peek().is_none()).then(|| self.quote(span.clone()));
+            found = Some(Found { line: self.line_at(span.start), value });
+            let Some(row) = row else { break };
+            table = row.table;
+        }
+        found
     }
 
     /// The document with its spans.
-    pub fn document(&self) -> Option<Document<&str>> {
+    fn document(&self) -> Option<Document<&str>> {
         Document::parse(self.text.as_str()).ok()
     }
 
-    /// An error with every fault at its line, if there is any.
-    pub fn refuse(&self, faults: &Faults) -> Result<(), ConfigError> {
-        if faults.list.is_empty() {
-            return Ok(());
-        }
-        let document = self.document();
-        let lines = faults.list.iter().map(|fault| {
-            let line = document.as_ref().and_then(|document| locate(document.as_item(), &fault.key));
-            let place = self.place(line.map_or(0, |start| self.line_at(start)), None);
-            format!("{place}: {} = {}: must be {}", fault.key, fault.value, fault.wanted)
-        });
-        Err(ConfigError { lines: lines.collect() })
+    fn refuse_serde(&self, error: &toml_edit::de::Error) -> ConfigError {
+        let Some(span) = error.span() else {
+            return ConfigError::new(vec![format!("{}: {}", self.name, refusal::say(error.message(), "", ""))]);
+        };
+        let key = self.document().and_then(|document| key_at(document.as_table(), span.start, "")).unwrap_or_default();
+        self.refuse_at(span.start, &refusal::say(error.message(), &key, &self.quote(span)))
     }
 
-    fn place(&self, line: usize, snippet: Option<&str>) -> String {
-        let snippet = snippet.map(|text| text.lines().next().unwrap_or("").trim()).filter(|text| !text.is_empty());
-        match (line, snippet) {
-            (0, _) => self.name.clone(),
-            (line, None) => format!("{}:{line}", self.name),
-            (line, Some(snippet)) => format!("{}:{line}: `{snippet}`", self.name),
-        }
+    fn refuse_at(&self, offset: usize, message: &str) -> ConfigError {
+        ConfigError::new(vec![format!("{}:{}: {message}", self.name, self.line_at(offset))])
+    }
+
+    /// What is written at a span, on one line and not too long.
+    fn quote(&self, span: Range<usize>) -> String {
+        let text = self.text.get(span).unwrap_or_default();
+        let first = text.lines().next().unwrap_or_default().trim();
+        let short: String = first.chars().take(QUOTED_CHARS_MAX).filter(|c| !c.is_control()).collect();
+        if short.len() < text.trim().len() { short + "..." } else { short }
     }
 
     fn line_at(&self, offset: usize) -> usize {
-        1 + self.text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+        line_at(self.text.as_bytes(), offset)
     }
 }
 
-/// Where a key such as `obstacle[2].radius_m` stands; where it is absent, the nearest table that would hold it.
-fn locate(root: &Item, key: &str) -> Option<usize> {
-    let mut item = root;
-    let mut found = None;
-    for part in key.split('.') {
-        let (name, index) = match part.split_once('[') {
-            Some((name, rest)) => (name, rest.trim_end_matches(']').parse::<usize>().ok()),
-            None => (part, None),
-        };
-        let Some(next) = item.get(name) else { break };
-        let next = match index {
-            // Faults count vehicles and obstacles from one, as people and the report do.
-            Some(index) => next.get(index.saturating_sub(1)).unwrap_or(next),
-            None => next,
-        };
-        found = next.span().map(|span| span.start).or(found);
-        item = next;
+fn line_at(text: &[u8], offset: usize) -> usize {
+    1 + text.iter().take(offset).filter(|&&byte| byte == b'\n').count()
+}
+
+/// A table that stands under a key, alone or as one of many.
+struct Row<'a> {
+    table: &'a dyn TableLike,
+    span: Option<Range<usize>>,
+}
+
+/// The tables under a key, however they are written; none where it holds a plain value.
+fn rows(item: &Item) -> Vec<Row<'_>> {
+    if let Some(tables) = item.as_array_of_tables() {
+        return tables.iter().map(|table| Row { table, span: table.span() }).collect();
     }
-    found
+    if let Some(array) = item.as_array() {
+        return array
+            .iter()
+            .filter_map(|value| value.as_inline_table().map(|table| Row { table, span: value.span() }))
+            .collect();
+    }
+    item.as_table_like().map(|table| Row { table, span: item.span() }).into_iter().collect()
+}
+
+/// Whether a key holds many tables, as `vehicle` and `obstacle` do, and where each stands.
+fn row_keys<'a>(path: &str, item: &'a Item) -> Vec<(String, Row<'a>)> {
+    let many = item.is_array_of_tables() || item.is_array();
+    let name = |index: usize| if many { format!("{path}[{}]", index + 1) } else { path.to_owned() };
+    rows(item).into_iter().enumerate().map(|(index, row)| (name(index), row)).collect()
+}
+
+/// The key that is written, or whose value is written, at an offset of the text.
+fn key_at(table: &dyn TableLike, offset: usize, path: &str) -> Option<String> {
+    let within = |span: Option<Range<usize>>| span.is_some_and(|span| span.contains(&offset));
+    for (name, item) in table.iter() {
+        let path = join(path, name);
+        for (path, row) in row_keys(&path, item) {
+            if let Some(key) = key_at(row.table, offset, &path) {
+                return Some(key);
+            }
+            if within(row.span) {
+                return Some(path);
+            }
+        }
+        if within(item.span()) || within(table.key(name).and_then(toml_edit::Key::span)) {
+            return Some(path);
+        }
+    }
+    None
+}
+
+/// An array where no scenario has one. Serde would take it for a table, its values by their order.
+fn misplaced_array(table: &dyn TableLike, path: &str) -> Option<(String, Range<usize>)> {
+    for (name, item) in table.iter() {
+        let path = join(path, name);
+        let is_list = path == "vehicle" || path == "obstacle";
+        let all_tables = item.as_array().is_none_or(|array| array.iter().all(Value::is_inline_table));
+        if (item.is_array() || item.is_array_of_tables()) && !(is_list && all_tables) {
+            return Some((path, item.span().unwrap_or_default()));
+        }
+        for (path, row) in row_keys(&path, item) {
+            if let Some(misplaced) = misplaced_array(row.table, &path) {
+                return Some(misplaced);
+            }
+        }
+    }
+    None
+}
+
+fn join(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
 }

@@ -91,10 +91,12 @@ impl Ground {
         }));
     }
 
+    /// Where vehicles find the ground, with the port that was really bound.
     pub fn address(&self) -> Result<SocketAddr, LinkError> {
         self.link.local_addr()
     }
 
+    /// What was heard of every vehicle.
     pub fn fleet(&self) -> &Fleet {
         &self.fleet
     }
@@ -144,6 +146,7 @@ impl Ground {
         }
     }
 
+    /// Whom a message to this vehicle names; everybody where it is not known.
     pub fn target(&self, vehicle: usize) -> Target {
         self.fleet.crafts().get(vehicle).map_or_else(Target::default, |craft| craft.target)
     }

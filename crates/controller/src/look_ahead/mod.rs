@@ -179,3 +179,6 @@ impl Problem for WeightProblem<'_> {
 fn fly(look_ahead: &LookAhead, scene: &Scene<'_>, weights: &[[f64; BATCH]; 3], pigeons: usize, flights: &mut Flights) {
     look_ahead.fly(scene, weights, pigeons, flights);
 }
+
+#[cfg(test)]
+mod tests;

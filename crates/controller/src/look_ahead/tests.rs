@@ -1,0 +1,164 @@
+//! The batch of pigeons against one vehicle at a time: the law as `terms.rs` and `steering.rs` have it, flown by the
+//! vehicle model, with costs summed up as one reads Eq. 11 and 12.
+
+use super::*;
+use crate::pilot::{command, heading};
+use crate::terms::Neighbour;
+use crate::vector::Vec2;
+use crate::{AltitudeLaw, steering};
+use flight_model::Autopilot;
+use proptest::prelude::*;
+
+const PERIOD_S: f64 = 0.5;
+const EXPECTED: Expected = Expected { speed_mps: 10.0, course_rad: 0.2, altitude_m: 50.0 };
+
+#[derive(Debug)]
+struct Plain {
+    cost_1: f64,
+    cost_2: f64,
+    violation_m: f64,
+}
+
+/// (w^2 - d^2) / 2w where positive: the shortfall w - d to first order.
+fn shortfall(distance_m: f64, wanted_m: f64) -> f64 {
+    ((wanted_m * wanted_m - distance_m * distance_m) / (2.0 * wanted_m)).max(0.0)
+}
+
+fn plain(law: &LawSettings, settings: &LookAheadSettings, scene: &Scene<'_>, weights: [f64; 3]) -> Plain {
+    let dynamics = Dynamics::default();
+    let (commander, autopilot) = (Commander::new(law, &dynamics, PERIOD_S), Autopilot::new(&dynamics, PERIOD_S));
+    let half = Autopilot::new(&dynamics, 0.5 * PERIOD_S);
+    let steps = settings.steps(PERIOD_S);
+    let passage = |neighbour: usize, instant: usize| scene.neighbours[neighbour * (1 + 2 * steps) + instant];
+    let count = scene.neighbours.len() / (1 + 2 * steps);
+    let (ahead_x, ahead_y) = scene.expected.direction();
+    let mut state = scene.state;
+    let mut sum = Plain { cost_1: 0.0, cost_2: 0.0, violation_m: 0.0 };
+    for step in 0..steps {
+        let near: Vec<Neighbour> = (0..count)
+            .map(|neighbour| {
+                let there = passage(neighbour, 2 * step);
+                Neighbour {
+                    position_m: Vec2::new(there.x_m, there.y_m),
+                    velocity_mps: Vec2::new(there.vx_mps, there.vy_mps),
+                }
+            })
+            .collect();
+        let setpoint = command(law, &scene.expected, &commander, &state, &near, scene.obstacles, weights);
+        // The batch samples the middle by the trapezium of velocities.
+        let (middle, end) = (half.step(&state, &setpoint), autopilot.step(&state, &setpoint));
+        let ((vx_0, vy_0), (vx_1, vy_1)) = (state.velocity_mps(), middle.velocity_mps());
+        let (middle_x, middle_y) =
+            (state.x_m + (vx_0 + vx_1) * PERIOD_S / 4.0, state.y_m + (vy_0 + vy_1) * PERIOD_S / 4.0);
+        state = end;
+
+        let (vx, vy) = state.velocity_mps();
+        for neighbour in 0..count {
+            let (before, there) = (passage(neighbour, 2 * step + 1), passage(neighbour, 2 * step + 2));
+            let distance_m = Vec2::new(there.x_m - state.x_m, there.y_m - state.y_m).norm();
+            sum.violation_m += shortfall(distance_m, settings.separation_m);
+            let half_way_m = Vec2::new(before.x_m - middle_x, before.y_m - middle_y).norm();
+            sum.violation_m += shortfall(half_way_m, settings.separation_m);
+            if distance_m <= law.communication_distance_m {
+                let gap = law.desired_distance_m - distance_m;
+                let gap = if law.communication_distance_m > law.desired_distance_m { gap.abs() } else { gap };
+                sum.cost_2 += law.influence_factor * (gap + (vx - there.vx_mps).abs() + (vy - there.vy_mps).abs());
+            }
+        }
+        for obstacle in scene.close_obstacles {
+            let wanted_m = obstacle.radius_m + settings.clearance_m;
+            for (x, y) in [(middle_x, middle_y), (state.x_m, state.y_m)] {
+                sum.violation_m += shortfall(Vec2::new(obstacle.x_m - x, obstacle.y_m - y).norm(), wanted_m);
+            }
+        }
+        sum.cost_1 += if scene.detected {
+            -(state.x_m * ahead_x + state.y_m * ahead_y)
+        } else {
+            let speed_mps = scene.expected.speed_mps;
+            (ahead_x * speed_mps - vx).abs() + (ahead_y * speed_mps - vy).abs()
+        };
+    }
+    sum.cost_1 /= steps as f64;
+    sum.cost_2 /= steps as f64;
+    sum
+}
+
+fn state() -> impl Strategy<Value = State> {
+    (-5.0..5.0f64, -5.0..5.0f64, 5.0..15.0f64, -3.1..3.1f64).prop_map(|(x_m, y_m, speed_mps, course_rad)| State {
+        x_m,
+        y_m,
+        altitude_m: 50.0,
+        speed_mps,
+        course_rad,
+        climb_mps: 0.0,
+    })
+}
+
+fn law() -> impl Strategy<Value = LawSettings> {
+    (any::<bool>(), 0.0..4.0f64, 8.0..20.0f64).prop_map(|(nearest, obstacle_margin_m, communication_distance_m)| {
+        LawSettings {
+            obstacle_rule: if nearest { ObstacleRule::Nearest } else { ObstacleRule::Blocking },
+            obstacle_margin_m,
+            communication_distance_m,
+            altitude_law: AltitudeLaw::Hold,
+            ..LawSettings::default()
+        }
+    })
+}
+
+fn obstacles() -> impl Strategy<Value = Vec<Obstacle>> {
+    let circle = (-40.0..60.0f64, -40.0..40.0f64, 2.0..12.0f64);
+    prop::collection::vec(circle.prop_map(|(x_m, y_m, radius_m)| Obstacle { x_m, y_m, radius_m }), 0..6)
+}
+
+fn weights() -> impl Strategy<Value = Vec<[f64; 3]>> {
+    prop::collection::vec(prop::array::uniform3(0.0..3.0f64), 1..70)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn a_batch_flies_as_each_of_its_vehicles_would(
+        state in state(),
+        others in prop::collection::vec(state(), 0..7),
+        law in law(),
+        obstacles in obstacles(),
+        weights in weights(),
+        horizon_s in prop::sample::select(vec![0.5, 1.5, 3.0]),
+    ) {
+        let settings = LookAheadSettings { horizon_s, ..LookAheadSettings::default() };
+        let look_ahead = LookAhead::new(&law, &settings, &Dynamics::default(), PERIOD_S);
+        let mut forecast = crate::forecast::Forecast::default();
+        forecast.extrapolate(&others, settings.steps(PERIOD_S), PERIOD_S);
+        let neighbours: Vec<Passage> = (0..others.len()).flat_map(|i| forecast.vehicle(i).to_vec()).collect();
+        let position_m = Vec2::new(state.x_m, state.y_m);
+        let detected = obstacles.iter().any(|o| steering::detects(&law, position_m, heading(&state), o));
+        let scene = Scene {
+            state, expected: EXPECTED, obstacles: &obstacles, close_obstacles: &obstacles, detected, neighbours: &neighbours,
+        };
+        let columns: Vec<f64> = (0..3).flat_map(|term| weights.iter().map(move |row| row[term])).collect();
+        let (mut costs, mut violations) = (vec![0.0; 2 * weights.len()], vec![0.0; weights.len()]);
+        let bounds = [Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0)];
+        let mut flights = Box::new(Flights::new());
+        let mut problem = WeightProblem {
+            look_ahead: &look_ahead, scene: scene.clone(), kind: WeightKind::PerTerm, bounds: &bounds, flights: &mut flights,
+        };
+        problem.evaluate(
+            &Candidates::new(&columns, weights.len()),
+            &mut Evaluations::new(&mut costs, &mut violations),
+        );
+        for (pigeon, weights) in weights.iter().enumerate() {
+            let wanted = plain(&law, &settings, &scene, *weights);
+            let got = Plain {
+                cost_1: costs[pigeon], cost_2: costs[pigeon + violations.len()], violation_m: violations[pigeon],
+            };
+            // Inside D_s the collision term multiplies rounding by 1e5.
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * (1.0 + b.abs());
+            prop_assert!(
+                near(got.cost_1, wanted.cost_1) && near(got.cost_2, wanted.cost_2) && near(got.violation_m, wanted.violation_m),
+                "pigeon {pigeon} {weights:?}: {got:?} instead of {wanted:?}"
+            );
+        }
+    }
+}
