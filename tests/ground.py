@@ -56,7 +56,9 @@ class Craft:
         self.texts = collections.deque()
         self.link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255, source_component=190)
         self.heartbeat()
+        # A vehicle tells a new peer at once who and where it is, beside what is due.
         self.wait(["HEARTBEAT"])
+        self.wait(["LOCAL_POSITION_NED"])
 
     def close(self):
         self.link.close()

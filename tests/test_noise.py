@@ -85,7 +85,7 @@ def test_a_run_in_noise_is_the_same_flight(fly, flown, start_vehicles):
         run = fly("fly", "--lockstep", "--seed", 7, "--ground-port", ground_port)
     assert run.status == 0, run.errors
     assert run.trajectory_bytes == flown.trajectory_bytes
-    assert sender.sent > 1000
+    assert sender.sent > 100
     link = run.summary["link"]
     for counter in ("malformed_bytes", "bad_checksum", "unknown_message", "invalid_value"):
         assert link[counter] > 0, f"{counter} in {link}"
