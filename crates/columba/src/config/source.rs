@@ -83,12 +83,18 @@ impl Source {
 
     /// The file as a value of `T`; a syntax error, an unknown key or a wrong type is told by line.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        let parsed: Result<T, _> = toml_edit::de::from_str(&self.text);
-        let misplaced = self.document().and_then(|document| misplaced_array(document.as_table(), ""));
-        match (parsed, misplaced) {
-            (Err(error), None) => Err(self.refuse_serde(&error)),
-            (Err(error), Some(_)) if refusal::is_unknown_key(error.message()) => Err(self.refuse_serde(&error)),
+        let document = Document::parse(self.text.as_str()).map_err(|error| {
+            let offset = error.span().map_or(0, |span| span.start);
+            let line = self.text.lines().nth(self.line_at(offset) - 1).unwrap_or_default();
+            self.refuse_at(offset, &refusal::syntax(error.message(), &shorten(line)))
+        })?;
+        let misplaced = misplaced_array(document.as_table(), "");
+        match (toml_edit::de::from_str(&self.text), misplaced) {
+            (Err(error), Some(_)) if refusal::is_unknown_key(error.message()) => {
+                Err(self.refuse_serde(&document, &error))
+            }
             (_, Some((key, span))) => Err(self.refuse_at(span.start, &format!("{key}: {}", refusal::TABLE_ONCE))),
+            (Err(error), None) => Err(self.refuse_serde(&document, &error)),
             (Ok(value), None) => Ok(value),
         }
     }
@@ -100,7 +106,7 @@ impl Source {
 
     /// Where a key such as `obstacle[2].radius_m` stands; rows are counted from one, as people and the report do.
     pub fn find(&self, key: &str) -> Option<Found> {
-        let document = self.document()?;
+        let document = Document::parse(self.text.as_str()).ok()?;
         let mut table: &dyn TableLike = document.as_table();
         let mut found = None;
         let mut parts = key.split('.').peekable();
@@ -120,16 +126,11 @@ impl Source {
         found
     }
 
-    /// The document with its spans.
-    fn document(&self) -> Option<Document<&str>> {
-        Document::parse(self.text.as_str()).ok()
-    }
-
-    fn refuse_serde(&self, error: &toml_edit::de::Error) -> ConfigError {
+    fn refuse_serde(&self, document: &Document<&str>, error: &toml_edit::de::Error) -> ConfigError {
         let Some(span) = error.span() else {
             return ConfigError::new(vec![format!("{}: {}", self.name, refusal::say(error.message(), "", ""))]);
         };
-        let key = self.document().and_then(|document| key_at(document.as_table(), span.start, "")).unwrap_or_default();
+        let key = key_at(document.as_table(), &span, "").unwrap_or_default();
         self.refuse_at(span.start, &refusal::say(error.message(), &key, &self.quote(span)))
     }
 
@@ -139,15 +140,20 @@ impl Source {
 
     /// What is written at a span, on one line and not too long.
     fn quote(&self, span: Range<usize>) -> String {
-        let text = self.text.get(span).unwrap_or_default();
-        let first = text.lines().next().unwrap_or_default().trim();
-        let short: String = first.chars().take(QUOTED_CHARS_MAX).filter(|c| !c.is_control()).collect();
-        if short.len() < text.trim().len() { short + "..." } else { short }
+        shorten(self.text.get(span).unwrap_or_default())
     }
 
     fn line_at(&self, offset: usize) -> usize {
         line_at(self.text.as_bytes(), offset)
     }
+}
+
+/// The first line of a text, and no more of it than is good in a message.
+fn shorten(text: &str) -> String {
+    let text = text.trim();
+    let first = text.lines().next().unwrap_or_default().trim();
+    let short: String = first.chars().take(QUOTED_CHARS_MAX).filter(|c| !c.is_control()).collect();
+    if short.len() < text.len() { short + "..." } else { short }
 }
 
 fn line_at(text: &[u8], offset: usize) -> usize {
@@ -181,13 +187,14 @@ fn row_keys<'a>(path: &str, item: &'a Item) -> Vec<(String, Row<'a>)> {
     rows(item).into_iter().enumerate().map(|(index, row)| (name(index), row)).collect()
 }
 
-/// The key that is written, or whose value is written, at an offset of the text.
-fn key_at(table: &dyn TableLike, offset: usize, path: &str) -> Option<String> {
-    let within = |span: Option<Range<usize>>| span.is_some_and(|span| span.contains(&offset));
+/// The key that is written, or whose value is written, at a span of the text; none where that is more than one key's.
+fn key_at(table: &dyn TableLike, wanted: &Range<usize>, path: &str) -> Option<String> {
+    let within =
+        |span: Option<Range<usize>>| span.is_some_and(|span| span.start <= wanted.start && wanted.end <= span.end);
     for (name, item) in table.iter() {
         let path = join(path, name);
         for (path, row) in row_keys(&path, item) {
-            if let Some(key) = key_at(row.table, offset, &path) {
+            if let Some(key) = key_at(row.table, wanted, &path) {
                 return Some(key);
             }
             if within(row.span) {
