@@ -3,12 +3,13 @@
 mod common;
 
 use common::{Room, SMALL, free_ports};
+use serde_json::Value;
 use std::process::Stdio;
 
-/// Two UAVs that fly through the one circle: nobody can pass.
+/// Two metres before a circle at 10 m/s there is no way round it.
 const WALL: &str = r#"[scenario]
 name = "wall"
-duration_s = 6.0
+duration_s = 2.0
 
 [flock]
 expected_speed_mps = 10.0
@@ -21,9 +22,9 @@ altitude_m = 50.0
 speed_mps = 10.0
 
 [[obstacle]]
-x_m = 1020.0
+x_m = 102.0
 y_m = 0.0
-radius_m = 1000.0
+radius_m = 100.0
 "#;
 
 /// A file with a flock by pattern and one circle, flown for so long.
@@ -60,7 +61,7 @@ fn a_run_writes_what_it_promises_and_nothing_else() {
         (&summary["scenario"], &summary["success"], &summary["duration_s"]),
         (&"small".into(), &true.into(), &2.0.into())
     );
-    assert_eq!(summary["min_separation_m"], serde_json::Value::Null);
+    assert_eq!(summary["min_separation_m"], Value::Null);
     // A run without a report or a log leaves none of an older flight's either.
     room.columba(&["run", "small.toml", "--transport", "memory", "--no-report"]).with(0);
     assert_eq!(room.files(), ["runs/small/summary.json", "runs/small/trajectory.parquet", "small.toml"]);
@@ -177,19 +178,9 @@ fn one_vehicle_flies_where_there_is_nothing() {
     for transport in ["udp", "memory"] {
         room.columba(&["run", "alone.toml", "--transport", transport, "-q", "-o", transport]).with(0);
         let summary = room.summary(transport);
-        assert_eq!((&summary["min_separation_m"], &summary["min_clearance_m"]), (&().into_json(), &().into_json()));
+        assert_eq!((&summary["min_separation_m"], &summary["min_clearance_m"]), (&Value::Null, &Value::Null));
     }
     assert!(room.read("udp/trajectory.parquet") == room.read("memory/trajectory.parquet"));
-}
-
-trait IntoJson {
-    fn into_json(self) -> serde_json::Value;
-}
-
-impl IntoJson for () {
-    fn into_json(self) -> serde_json::Value {
-        serde_json::Value::Null
-    }
 }
 
 #[test]
@@ -245,9 +236,12 @@ fn vehicles_and_fly_are_a_run_in_two_programs() {
     vehicles.wait().unwrap();
     said.with(0);
     room.columba(&["run", "--duration", "8", "--no-report", "-q", "-o", "one"]).with(0);
-    let rows = |folder| room.read(&format!("{folder}/trajectory.parquet")).len();
-    assert!(rows("one") > 1000 && rows("two") > 1000);
-    assert_eq!(room.summary("two")["duration_s"], 8.0);
+    // Without the vehicles at hand their telemetry is all there is to judge by: what it says of the flight is the same.
+    let [one, two] = ["one", "two"].map(|folder| room.summary(folder));
+    for name in ["duration_s", "completed", "success", "speed_convergence_s"] {
+        assert_eq!(one[name].is_null(), two[name].is_null(), "{name}");
+    }
+    assert_eq!((&two["duration_s"], &two["completed"]), (&8.0.into(), &true.into()));
 }
 
 #[cfg(unix)]
@@ -270,7 +264,8 @@ fn an_interrupted_flight_is_written_as_far_as_it_flew() {
         (&summary["interrupted"], &summary["completed"], &summary["success"]),
         (&true.into(), &false.into(), &false.into())
     );
-    for name in ["trajectory.parquet", "flight.tlog", "report.html"] {
-        assert!(!room.read(&format!("out/{name}")).is_empty() || name == "flight.tlog", "{name}");
+    assert!(room.path("out/flight.tlog").exists());
+    for name in ["trajectory.parquet", "report.html"] {
+        assert!(room.read(&format!("out/{name}")).len() > 500, "{name}");
     }
 }
