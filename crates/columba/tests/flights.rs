@@ -225,6 +225,23 @@ fn runs_beside_each_other_do_not_clash() {
 }
 
 #[test]
+fn runs_into_one_folder_leave_one_whole_flight() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    for _ in 0..3 {
+        let start =
+            |_| room.command(&["run", "small.toml", "-q", "--no-report"]).stderr(Stdio::piped()).spawn().unwrap();
+        let runs: Vec<_> = (0..6).map(start).collect();
+        for run in runs {
+            let output = run.wait_with_output().unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        }
+    }
+    let files = ["runs/small/flight.tlog", "runs/small/summary.json", "runs/small/trajectory.parquet", "small.toml"];
+    assert_eq!(room.files(), files);
+}
+
+#[test]
 fn vehicles_and_fly_are_a_run_in_two_programs() {
     let room = Room::new();
     let (vehicle_port, ground_port) = (free_ports(5).to_string(), free_ports(1).to_string());
