@@ -1,4 +1,5 @@
 //! The command line: help, exit statuses and refusals, none of which leaves anything behind.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests may, as tests may
 
 mod common;
 

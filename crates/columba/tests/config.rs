@@ -1,4 +1,5 @@
 //! Every scenario in `config/` is good and flies without collision.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests may, as tests may
 
 use columba::config::{self, Overrides};
 use columba::flying::{self, Progress};

@@ -1,4 +1,5 @@
 //! Flights of the built program: what they write, that their bytes repeat, and how they end.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests may, as tests may
 
 mod common;
 
