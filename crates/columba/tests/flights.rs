@@ -262,6 +262,22 @@ fn vehicles_and_fly_are_a_run_in_two_programs() {
     assert_eq!((&two["duration_s"], &two["completed"]), (&8.0.into(), &true.into()));
 }
 
+#[test]
+fn vehicles_that_know_no_ground_station_are_spoken_to_first() {
+    let room = Room::new();
+    for clock in [&["--lockstep"][..], &["--speed", "1"]] {
+        let vehicle_port = free_ports(5).to_string();
+        let silent = ["vehicles", "--ground-port", "0", "--vehicle-port", &vehicle_port, "-q"];
+        let mut vehicles = room.command(&[&silent[..], clock].concat()).spawn().unwrap();
+        let fly =
+            ["fly", "--ground-port", "0", "--vehicle-port", &vehicle_port, "--duration", "2", "--no-report", "-q"];
+        let said = room.columba(&[&fly[..], clock].concat());
+        vehicles.kill().unwrap();
+        vehicles.wait().unwrap();
+        said.with(0);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_flight_is_written_as_far_as_it_flew() {

@@ -3,6 +3,7 @@
 use super::{Log, Stop, vehicles::system_id};
 use crate::config::Scenario;
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
+use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{
     Counters, Encoder, Fleet, Identity, LinkError, LinkSettings, News, SequenceTracker, Target, UdpLink, messages,
 };
@@ -148,10 +149,12 @@ impl Ground {
         self.fleet.crafts().get(vehicle).map_or_else(Target::default, |craft| craft.target)
     }
 
-    /// Waits until every vehicle has said where it is.
+    /// Waits until every vehicle has said where it is. Those that are silent and whose address is known are spoken to: a
+    /// vehicle answers who speaks to it, though it may have been told of no ground station.
     pub async fn muster(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
         let deadline = Instant::now() + patience;
         let mut news = Vec::new();
+        let mut call = tokio::time::interval_at(Instant::now() + RETRY, RETRY);
         loop {
             let silent = |ground: &Self| -> Vec<usize> {
                 let crafts = ground.fleet.crafts().iter().enumerate();
@@ -163,6 +166,9 @@ impl Ground {
             tokio::select! {
                 () = stopped(stop) => return Err(GroundError::Interrupted),
                 received = self.recv(at_us, &mut news) => received?,
+                _ = call.tick() => for vehicle in silent(self) {
+                    self.send(vehicle, &[ground_heartbeat()], at_us).await;
+                },
                 () = tokio::time::sleep_until(deadline) => {
                     return Err(GroundError::Silent { missing: silent(self), waited: patience });
                 }
