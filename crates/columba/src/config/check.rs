@@ -29,6 +29,8 @@ const LENGTH_MAX_M: f64 = 100_000.0;
 pub const COUNT_MAX: usize = 10_000;
 /// Longest flight, s.
 pub const DURATION_MAX_S: f64 = 86_400.0;
+/// Most rows of a trajectory, which a flight keeps in memory: two gigabytes.
+const ROWS_MAX: f64 = 2e7;
 /// Greatest share of datagrams lost, duplicated or reordered: a link that loses everything would wait for ever.
 pub const SHARE_MAX: f64 = 0.95;
 
@@ -52,9 +54,9 @@ impl Faults {
         }
     }
 
-    /// Above `low`, up to `high`, which are no faults themselves.
+    /// Above `low`, up to `high`; as [`within`](Self::within).
     fn above(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
-        if low < high && !(value > low && value <= high) {
+        if low <= high && !(value > low && value <= high) {
             self.add(key, value, format!("a number greater than {low} and at most {high}"));
         }
     }
@@ -99,6 +101,14 @@ fn scenario(file: &ScenarioFile, faults: &mut Faults) {
     }
     if period_s <= 10.0 && !(period_s..=DURATION_MAX_S).contains(&table.duration_s) {
         let wanted = format!("a number from {period_s}, one scenario.control_period_s, to {DURATION_MAX_S}");
+        faults.add("scenario.duration_s", table.duration_s, wanted);
+    }
+    let count = file.vehicle.len().max(file.vehicles.map_or(0, |pattern| pattern.count)).max(1);
+    let longest_s = ROWS_MAX / count as f64 * period_s;
+    if period_s >= 0.001 && table.duration_s > longest_s && table.duration_s <= DURATION_MAX_S {
+        let wanted = format!(
+            "at most {longest_s:.0}: a flight keeps control periods times vehicles ({count}) in memory, at most {ROWS_MAX}"
+        );
         faults.add("scenario.duration_s", table.duration_s, wanted);
     }
     faults.within("scenario.origin.latitude_deg", table.origin.latitude_deg, -85.0, 85.0);

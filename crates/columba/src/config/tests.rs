@@ -199,6 +199,26 @@ fn every_fault_is_told_by_line_key_value_and_what_would_be_right() {
         ),
         (and("[autopilot]\nattitude_hz = 100"), 20, &["autopilot.attitude_hz = 100: must be a number from 0 to 80"]),
         (and("[output]\nfolder = \"\""), 20, &["output.folder = \"\": must be a folder's name"]),
+        (
+            format!("law.safe_distance_m = -1\n{GOOD}"),
+            1,
+            &["law.safe_distance_m = -1: must be a number greater than 0"],
+        ),
+        (with("radius_m = 8.0", "\"radius_m\" = -8"), 18, &["obstacle[1].radius_m = -8: must be"]),
+        (
+            GOOD.replace('\n', "\r\n").replace("radius_m = 8.0", "radius_m = -8"),
+            18,
+            &["obstacle[1].radius_m = -8: must be"],
+        ),
+        (and("[weights]\nmin = 100"), 19, &["weights.max = 3 (by default): must be a number greater than 100"]),
+        (
+            with(
+                "duration_s = 2.0",
+                "duration_s = 86400\ncontrol_period_s = 0.001\n[dynamics]\nintegration_step_s = 0.001",
+            ),
+            3,
+            &["scenario.duration_s = 86400: must be at most 20000: a flight keeps"],
+        ),
         // What no single setting shows.
         (no_vehicle, 0, &["field.toml: the flock is empty: must have at least one [[vehicle]]"]),
         (and("[vehicles]\ncount = 3"), 19, &["[vehicles] stands beside [[vehicle]]: must be either"]),
@@ -227,6 +247,15 @@ fn a_speed_out_of_the_limits_is_told_for_the_vehicle_that_has_it() {
         GOOD.replace("expected_speed_mps = 10.0", "expected_speed_mps = 8.0")
     );
     assert_eq!(refusal_of(&text), "field.toml:13: vehicle[1].speed_mps = 10.0: must be a number from 5 to 9");
+}
+
+#[test]
+fn limits_that_leave_nothing_between_them_are_refused() {
+    let message = refusal_of(&and("[dynamics]\nspeed_min_mps = 300"));
+    assert!(
+        message.contains("field.toml:19: dynamics.speed_max_mps = 15 (by default): must be a number greater than 300"),
+        "{message}"
+    );
 }
 
 #[test]
