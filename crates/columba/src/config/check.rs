@@ -255,7 +255,10 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
         ("autopilot.vfr_hud_hz", autopilot.vfr_hud_hz),
         ("autopilot.local_position_ned_hz", autopilot.local_position_ned_hz),
     ] {
-        faults.within(key, value, 0.0, rate_max_hz);
+        if rate_max_hz > 0.0 && !(0.0..=rate_max_hz).contains(&value) {
+            let wanted = format!("a number from 0 to {rate_max_hz}, 0.8 for each dynamics.integration_step_s");
+            faults.add(key, value, wanted);
+        }
     }
     if link.host.parse::<std::net::IpAddr>().is_err() {
         faults.add("link.host", format!("{:?}", link.host), "an IP address, such as 127.0.0.1");
