@@ -28,7 +28,7 @@ Examples:
   columba run                              the paper's flight, in lockstep over UDP; the report is in runs/paper/
   columba run --speed 1                    the same in real time: vehicles on UDP 14600 and up
   columba run field.toml --seed 7 -o out   your own field
-  columba run --transport memory           without sockets, several times faster, the same bytes
+  columba run --transport memory           without sockets, and so faster: the same flight
   columba run --loss 0.2                   over a bad link: it takes longer, and is the same flight
 
 Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";
@@ -43,8 +43,8 @@ A vehicle answers whoever speaks to its port: MAVProxy, pymavlink, your own cont
 
 const FLY_EXAMPLES: &str = "\
 Examples:
-  columba vehicles &  columba fly          in real time; the vehicles' telemetry comes to UDP 14550
-  columba vehicles --lockstep &  columba fly --lockstep --vehicle-port 14600
+  columba vehicles & columba fly           in real time; the vehicles' telemetry comes to UDP 14550
+  columba vehicles --lockstep & columba fly --lockstep
                                            in simulated time, as fast as it goes
 
 Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";

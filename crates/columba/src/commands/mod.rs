@@ -94,7 +94,10 @@ fn ground_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> 
 
 /// A vehicle's port that cannot be bound.
 fn vehicle_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
-    let wanted = format!("the first of {} free ports in a row, or 0 for any", scenario.starts.len());
+    let wanted = match scenario.starts.len() {
+        1 => "a free port, or 0 for any".to_owned(),
+        count => format!("the first of {count} free ports in a row, or 0 for any"),
+    };
     port_refused(scenario, "link.vehicle_port", "--vehicle-port", &wanted, error.into())
 }
 
@@ -126,6 +129,7 @@ fn conclude(
     log: Option<Log>,
     with_report: bool,
 ) -> Result<(), Failure> {
+    remove_older(folder, log.is_none(), !with_report)?;
     record::write(folder, flight)?;
     if let Some(log) = log {
         log.write(folder)?;
@@ -142,6 +146,27 @@ fn conclude(
         (Some(failure), false) => Err(Failure::Flight(failure.clone())),
         (None, false) => Err(Failure::Flight("the flight did not succeed".to_owned())),
     }
+}
+
+/// What the report leaves beside its page.
+const FIGURES: [&str; 6] = ["paths", "speeds", "courses", "altitudes", "distances", "alphas"];
+
+/// Removes what an older run left in the folder and this one does not write: it would tell of another flight.
+fn remove_older(folder: &RunFolder, log: bool, report: bool) -> anyhow::Result<()> {
+    let figures = FIGURES.iter().flat_map(|name| ["svg", "png"].map(|kind| format!("figures/{name}.{kind}")));
+    let report = figures.chain(["report.html".to_owned()]).filter(|_| report);
+    for name in report.chain(log.then(|| "flight.tlog".to_owned())) {
+        let path = folder.path().join(name);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(anyhow!("cannot remove {} of an older run: {error}", path.display()));
+            }
+            _ => {}
+        }
+    }
+    // Empty by now, unless somebody keeps something of their own there.
+    let _ = std::fs::remove_dir(folder.path().join("figures"));
+    Ok(())
 }
 
 fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bool) {

@@ -29,6 +29,8 @@ const LENGTH_MAX_M: f64 = 100_000.0;
 pub const COUNT_MAX: usize = 10_000;
 /// Longest flight, s.
 pub const DURATION_MAX_S: f64 = 86_400.0;
+/// Most rows of a trajectory, which a flight keeps in memory: two gigabytes.
+const ROWS_MAX: f64 = 2e7;
 /// Greatest share of datagrams lost, duplicated or reordered: a link that loses everything would wait for ever.
 pub const SHARE_MAX: f64 = 0.95;
 
@@ -45,16 +47,16 @@ impl Faults {
         self.list.push(Fault { key: key.into(), value: String::new(), subject, wanted: wanted.into() });
     }
 
-    /// `low..=high`.
+    /// `low..=high`; where these are settings at fault themselves, their own messages are enough.
     fn within(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
-        if !(low..=high).contains(&value) {
+        if low <= high && !(low..=high).contains(&value) {
             self.add(key, value, format!("a number from {low} to {high}"));
         }
     }
 
-    /// Above `low`, up to `high`.
+    /// Above `low`, up to `high`; as [`within`](Self::within).
     fn above(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
-        if low < high && !(value > low && value <= high) {
+        if low <= high && !(value > low && value <= high) {
             self.add(key, value, format!("a number greater than {low} and at most {high}"));
         }
     }
@@ -97,11 +99,18 @@ fn scenario(file: &ScenarioFile, faults: &mut Faults) {
             format!("a multiple of dynamics.integration_step_s = {step_s}"),
         );
     }
-    if table.duration_s < period_s {
-        let wanted = format!("at least one control period (scenario.control_period_s = {period_s})");
+    if period_s <= 10.0 && !(period_s..=DURATION_MAX_S).contains(&table.duration_s) {
+        let wanted = format!("a number from {period_s}, one scenario.control_period_s, to {DURATION_MAX_S}");
         faults.add("scenario.duration_s", table.duration_s, wanted);
     }
-    faults.within("scenario.duration_s", table.duration_s, 0.0, DURATION_MAX_S);
+    let count = file.vehicle.len().max(file.vehicles.map_or(0, |pattern| pattern.count)).max(1);
+    let longest_s = ROWS_MAX / count as f64 * period_s;
+    if period_s >= 0.001 && table.duration_s > longest_s && table.duration_s <= DURATION_MAX_S {
+        let wanted = format!(
+            "at most {longest_s:.0}: a flight keeps control periods times vehicles ({count}) in memory, at most {ROWS_MAX}"
+        );
+        faults.add("scenario.duration_s", table.duration_s, wanted);
+    }
     faults.within("scenario.origin.latitude_deg", table.origin.latitude_deg, -85.0, 85.0);
     faults.within("scenario.origin.longitude_deg", table.origin.longitude_deg, -180.0, 180.0);
     faults.within("scenario.origin.altitude_amsl_m", table.origin.altitude_amsl_m, -500.0, 9_000.0);
@@ -200,14 +209,18 @@ fn controller(file: &ScenarioFile, faults: &mut Faults) {
 }
 
 fn optimizer(file: &ScenarioFile, faults: &mut Faults) {
-    if let Err(error) = super::scenario::optimizer_settings(&file.optimizer).validate() {
-        let key = format!("optimizer.{}", error.setting);
-        faults.add(
-            key,
-            error.value,
-            error.range.strip_prefix("from").map_or(error.range.to_owned(), |range| format!("a number from{range}")),
-        );
-    }
+    let settings = super::scenario::optimizer_settings(&file.optimizer);
+    let Err(error) = settings.validate() else { return };
+    let wanted = match (error.setting, error.range) {
+        ("removed_per_iteration", _) => {
+            let (pigeons, iterations) = (settings.population(), settings.iterations);
+            let most = pigeons.saturating_sub(1) / iterations.max(1);
+            format!("at most {most}, so that of {pigeons} pigeons one is left for the last of {iterations} iterations")
+        }
+        (_, range) if range.starts_with("from") => format!("a number {range}"),
+        (_, range) => range.to_owned(),
+    };
+    faults.add(format!("optimizer.{}", error.setting), error.value, wanted);
 }
 
 fn dynamics(file: &ScenarioFile, faults: &mut Faults) {
@@ -242,7 +255,10 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
         ("autopilot.vfr_hud_hz", autopilot.vfr_hud_hz),
         ("autopilot.local_position_ned_hz", autopilot.local_position_ned_hz),
     ] {
-        faults.within(key, value, 0.0, rate_max_hz);
+        if rate_max_hz > 0.0 && !(0.0..=rate_max_hz).contains(&value) {
+            let wanted = format!("a number from 0 to {rate_max_hz}, 0.8 for each dynamics.integration_step_s");
+            faults.add(key, value, wanted);
+        }
     }
     if link.host.parse::<std::net::IpAddr>().is_err() {
         faults.add("link.host", format!("{:?}", link.host), "an IP address, such as 127.0.0.1");

@@ -2,7 +2,7 @@
 
 use super::Overrides;
 use super::check::{Fault, Faults};
-use super::source::{ConfigError, Source};
+use super::source::{ConfigError, Found, Source};
 
 /// More faults than this are counted only.
 const FAULTS_SHOWN_MAX: usize = 20;
@@ -26,7 +26,7 @@ impl Provenance {
         if let Some(flag) = self.flag(key) {
             return flag.to_owned();
         }
-        match self.source.find(key) {
+        match self.source.document().and_then(|document| self.source.find(&document, key)) {
             Some(found) => match found.value {
                 Some(value) => format!("{}:{}: {key} = {value}", self.source.name(), found.line),
                 None => format!("{key} (by default; {flag} sets it)"),
@@ -40,9 +40,13 @@ impl Provenance {
         if faults.list.is_empty() {
             return Ok(());
         }
-        let mut lines: Vec<(usize, String)> = faults.list.iter().map(|fault| self.tell(fault)).collect();
+        let document = self.source.document();
+        let find = |key: &str| document.as_ref().and_then(|document| self.source.find(document, key));
+        // Enough to sort what is shown by line; finding the lines of tens of thousands would take long.
+        let first = faults.list.iter().take(50 * FAULTS_SHOWN_MAX);
+        let mut lines: Vec<(usize, String)> = first.map(|fault| self.tell(fault, &find)).collect();
         lines.sort_by_key(|(line, _)| *line);
-        let more = lines.len().saturating_sub(FAULTS_SHOWN_MAX);
+        let more = faults.list.len().saturating_sub(FAULTS_SHOWN_MAX);
         let mut lines: Vec<String> = lines.into_iter().take(FAULTS_SHOWN_MAX).map(|(_, message)| message).collect();
         if more > 0 {
             lines.push(format!("{}: and {more} faults more", self.source.name()));
@@ -51,13 +55,13 @@ impl Provenance {
     }
 
     /// The line of a fault, 0 where it has none, and its message.
-    fn tell(&self, fault: &Fault) -> (usize, String) {
+    fn tell(&self, fault: &Fault, find: &dyn Fn(&str) -> Option<Found>) -> (usize, String) {
         let (key, wanted) = (&fault.key, &fault.wanted);
         if let Some(flag) = self.flag(key) {
             let subject = fault.subject.as_ref().map(|subject| format!(": {subject}")).unwrap_or_default();
             return (0, format!("{flag}{subject}: {wanted}"));
         }
-        let found = self.source.find(key);
+        let found = find(key);
         let line = found.as_ref().map_or(0, |found| found.line);
         let place = if line == 0 { self.source.name().to_owned() } else { format!("{}:{line}", self.source.name()) };
         let subject = match (&fault.subject, found.and_then(|found| found.value)) {

@@ -11,6 +11,21 @@ pub fn is_unknown_key(message: &str) -> bool {
     message.starts_with("unknown field")
 }
 
+/// What is wrong with the grammar of `line`.
+pub fn syntax(message: &str, line: &str) -> String {
+    let message = message.trim().replace('\n', ", ");
+    let wanted = if message.contains("overflow") {
+        "; must be a number that 64 bits can hold"
+    } else if message.contains("must be quoted") {
+        return format!("`{line}`: must have a number, true, false, a table or a text in quotes as its value");
+    } else if message.contains("duplicate key") {
+        "; must be written once in its table"
+    } else {
+        ""
+    };
+    format!("`{line}`: {message}{wanted}")
+}
+
 /// A message about `key`, at which `written` stands, as one line. What is not recognised is passed on as it came.
 pub fn say(message: &str, key: &str, written: &str) -> String {
     let message = message.trim();
@@ -24,6 +39,10 @@ pub fn say(message: &str, key: &str, written: &str) -> String {
         }
         Some((name, _)) if message.starts_with("missing field") => missing(key, name),
         _ => match message.rsplit_once(", expected ") {
+            // The quotation would be a header.
+            Some((_, expected)) if message.starts_with("invalid") && written.starts_with('[') => {
+                format!("{key}: must be {}", wanted(key, expected))
+            }
             Some((_, expected)) if message.starts_with("invalid") => {
                 format!("{key} = {written}: must be {}", wanted(key, expected))
             }
@@ -48,7 +67,11 @@ fn unknown_key(key: &str, known: &[&str]) -> String {
 }
 
 fn missing(key: &str, name: &str) -> String {
-    if key.is_empty() { format!("the table [{name}] is missing") } else { format!("{key}: the key {name} is missing") }
+    match name {
+        // The file itself lacks a table; the reader then points at whatever comes first.
+        "scenario" | "flock" => format!("the table [{name}] is missing"),
+        _ => format!("{key}: the key {name} is missing"),
+    }
 }
 
 /// What serde expects, in the words of a file.

@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
-use toml_edit::{Document, DocumentMut, Item, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, Document, DocumentMut, Item, TableLike, Value};
 
 /// What is wrong with a scenario: one line for each fault, which names file, line, key, value and what would be right.
 #[derive(Debug, thiserror::Error)]
@@ -83,12 +83,18 @@ impl Source {
 
     /// The file as a value of `T`; a syntax error, an unknown key or a wrong type is told by line.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        let parsed: Result<T, _> = toml_edit::de::from_str(&self.text);
-        let misplaced = self.document().and_then(|document| misplaced_array(document.as_table(), ""));
-        match (parsed, misplaced) {
-            (Err(error), None) => Err(self.refuse_serde(&error)),
-            (Err(error), Some(_)) if refusal::is_unknown_key(error.message()) => Err(self.refuse_serde(&error)),
+        let document = Document::parse(self.text.as_str()).map_err(|error| {
+            let offset = error.span().map_or(0, |span| span.start);
+            let line = self.text.lines().nth(self.line_at(offset) - 1).unwrap_or_default();
+            self.refuse_at(offset, &refusal::syntax(error.message(), &shorten(line)))
+        })?;
+        let misplaced = misplaced_array(document.as_table(), "");
+        match (toml_edit::de::from_str(&self.text), misplaced) {
+            (Err(error), Some(_)) if refusal::is_unknown_key(error.message()) => {
+                Err(self.refuse_serde(&document, &error))
+            }
             (_, Some((key, span))) => Err(self.refuse_at(span.start, &format!("{key}: {}", refusal::TABLE_ONCE))),
+            (Err(error), None) => Err(self.refuse_serde(&document, &error)),
             (Ok(value), None) => Ok(value),
         }
     }
@@ -98,9 +104,13 @@ impl Source {
         self.text.parse().unwrap_or_default()
     }
 
+    /// The document with its spans; none where it is none.
+    pub fn document(&self) -> Option<Document<&str>> {
+        Document::parse(self.text.as_str()).ok()
+    }
+
     /// Where a key such as `obstacle[2].radius_m` stands; rows are counted from one, as people and the report do.
-    pub fn find(&self, key: &str) -> Option<Found> {
-        let document = self.document()?;
+    pub fn find(&self, document: &Document<&str>, key: &str) -> Option<Found> {
         let mut table: &dyn TableLike = document.as_table();
         let mut found = None;
         let mut parts = key.split('.').peekable();
@@ -110,26 +120,23 @@ impl Source {
                 None => (part, 1),
             };
             let Some(item) = table.get(name) else { break };
-            let row = rows(item).into_iter().nth(index.saturating_sub(1));
-            let Some(span) = row.as_ref().map_or_else(|| item.span(), |row| row.span.clone()) else { break };
-            let value = (row.is_none() && parts.peek().is_none()).then(|| self.quote(span.clone()));
-            found = Some(Found { line: self.line_at(span.start), value });
+            let row = row(item, index.saturating_sub(1));
+            let is_value = row.is_none() && parts.peek().is_none();
+            // A table that is only implied, by a dotted key, stands nowhere itself.
+            if let Some(span) = row.as_ref().map_or_else(|| item.span(), |row| row.span.clone()) {
+                found = Some(Found { line: self.line_at(span.start), value: is_value.then(|| self.quote(span)) });
+            }
             let Some(row) = row else { break };
             table = row.table;
         }
         found
     }
 
-    /// The document with its spans.
-    fn document(&self) -> Option<Document<&str>> {
-        Document::parse(self.text.as_str()).ok()
-    }
-
-    fn refuse_serde(&self, error: &toml_edit::de::Error) -> ConfigError {
+    fn refuse_serde(&self, document: &Document<&str>, error: &toml_edit::de::Error) -> ConfigError {
         let Some(span) = error.span() else {
             return ConfigError::new(vec![format!("{}: {}", self.name, refusal::say(error.message(), "", ""))]);
         };
-        let key = self.document().and_then(|document| key_at(document.as_table(), span.start, "")).unwrap_or_default();
+        let key = key_at(document.as_table(), &span, "").unwrap_or_default();
         self.refuse_at(span.start, &refusal::say(error.message(), &key, &self.quote(span)))
     }
 
@@ -139,15 +146,20 @@ impl Source {
 
     /// What is written at a span, on one line and not too long.
     fn quote(&self, span: Range<usize>) -> String {
-        let text = self.text.get(span).unwrap_or_default();
-        let first = text.lines().next().unwrap_or_default().trim();
-        let short: String = first.chars().take(QUOTED_CHARS_MAX).filter(|c| !c.is_control()).collect();
-        if short.len() < text.trim().len() { short + "..." } else { short }
+        shorten(self.text.get(span).unwrap_or_default())
     }
 
     fn line_at(&self, offset: usize) -> usize {
         line_at(self.text.as_bytes(), offset)
     }
+}
+
+/// The first line of a text, and no more of it than is good in a message.
+fn shorten(text: &str) -> String {
+    let text = text.trim();
+    let first = text.lines().next().unwrap_or_default().trim();
+    let short: String = first.chars().take(QUOTED_CHARS_MAX).filter(|c| !c.is_control()).collect();
+    if short.len() < text.len() { short + "..." } else { short }
 }
 
 fn line_at(text: &[u8], offset: usize) -> usize {
@@ -160,34 +172,33 @@ struct Row<'a> {
     span: Option<Range<usize>>,
 }
 
-/// The tables under a key, however they are written; none where it holds a plain value.
-fn rows(item: &Item) -> Vec<Row<'_>> {
+/// A table under a key, however it is written, by its index among many; none where there is a plain value.
+fn row(item: &Item, index: usize) -> Option<Row<'_>> {
     if let Some(tables) = item.as_array_of_tables() {
-        return tables.iter().map(|table| Row { table, span: table.span() }).collect();
+        return tables.get(index).map(|table| Row { table, span: table.span() });
     }
     if let Some(array) = item.as_array() {
-        return array
-            .iter()
-            .filter_map(|value| value.as_inline_table().map(|table| Row { table, span: value.span() }))
-            .collect();
+        let value = array.get(index)?;
+        return value.as_inline_table().map(|table| Row { table, span: value.span() });
     }
-    item.as_table_like().map(|table| Row { table, span: item.span() }).into_iter().collect()
+    item.as_table_like().map(|table| Row { table, span: item.span() })
 }
 
-/// Whether a key holds many tables, as `vehicle` and `obstacle` do, and where each stands.
-fn row_keys<'a>(path: &str, item: &'a Item) -> Vec<(String, Row<'a>)> {
-    let many = item.is_array_of_tables() || item.is_array();
-    let name = |index: usize| if many { format!("{path}[{}]", index + 1) } else { path.to_owned() };
-    rows(item).into_iter().enumerate().map(|(index, row)| (name(index), row)).collect()
+/// All tables under a key, each with its path.
+fn rows<'a>(path: &str, item: &'a Item) -> Vec<(String, Row<'a>)> {
+    let many = item.as_array_of_tables().map(ArrayOfTables::len).or(item.as_array().map(Array::len));
+    let name = |index: usize| if many.is_some() { format!("{path}[{}]", index + 1) } else { path.to_owned() };
+    (0..many.unwrap_or(1)).filter_map(|index| row(item, index).map(|row| (name(index), row))).collect()
 }
 
-/// The key that is written, or whose value is written, at an offset of the text.
-fn key_at(table: &dyn TableLike, offset: usize, path: &str) -> Option<String> {
-    let within = |span: Option<Range<usize>>| span.is_some_and(|span| span.contains(&offset));
+/// The key that is written, or whose value is written, at a span of the text; none where that is more than one key's.
+fn key_at(table: &dyn TableLike, wanted: &Range<usize>, path: &str) -> Option<String> {
+    let within =
+        |span: Option<Range<usize>>| span.is_some_and(|span| span.start <= wanted.start && wanted.end <= span.end);
     for (name, item) in table.iter() {
         let path = join(path, name);
-        for (path, row) in row_keys(&path, item) {
-            if let Some(key) = key_at(row.table, offset, &path) {
+        for (path, row) in rows(&path, item) {
+            if let Some(key) = key_at(row.table, wanted, &path) {
                 return Some(key);
             }
             if within(row.span) {
@@ -210,7 +221,7 @@ fn misplaced_array(table: &dyn TableLike, path: &str) -> Option<(String, Range<u
         if (item.is_array() || item.is_array_of_tables()) && !(is_list && all_tables) {
             return Some((path, item.span().unwrap_or_default()));
         }
-        for (path, row) in row_keys(&path, item) {
+        for (path, row) in rows(&path, item) {
             if let Some(misplaced) = misplaced_array(row.table, &path) {
                 return Some(misplaced);
             }

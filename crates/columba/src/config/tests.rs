@@ -1,1 +1,401 @@
-//! Tests of scenario files.
+//! Tests of scenario files: what is refused, where, and in which words.
+
+use super::*;
+
+mod manual;
+
+/// A small file that is good; tests change one line of it. `radius_m` is on line 18.
+const GOOD: &str = r#"[scenario]
+name = "small"
+duration_s = 2.0
+
+[flock]
+expected_speed_mps = 10.0
+expected_altitude_m = 50.0
+
+[[vehicle]]
+x_m = 0.0
+y_m = 0.0
+altitude_m = 50.0
+speed_mps = 10.0
+
+[[obstacle]]
+x_m = 70.0
+y_m = 8.0
+radius_m = 8.0
+"#;
+
+fn load_text(text: &str, overrides: &Overrides) -> Result<Scenario, String> {
+    parse(Source::new("field.toml", text), overrides).map_err(|error| error.to_string())
+}
+
+fn refusal_of(text: &str) -> String {
+    load_text(text, &Overrides::default()).expect_err(text)
+}
+
+/// `GOOD` with a line replaced.
+fn with(line: &str, by: &str) -> String {
+    assert!(GOOD.contains(line), "{line}");
+    GOOD.replacen(line, by, 1)
+}
+
+/// `GOOD` with something at its end, on line 19 and after.
+fn and(more: &str) -> String {
+    format!("{GOOD}{more}\n")
+}
+
+#[test]
+fn the_small_file_and_the_built_in_one_are_good() {
+    assert_eq!(load_text(GOOD, &Overrides::default()).unwrap().starts.len(), 1);
+    assert_eq!(load(None, &Overrides::default()).unwrap().starts.len(), 5);
+}
+
+/// What is wrong, the line that the message names (0: none) and what it says.
+#[test]
+fn every_fault_is_told_by_line_key_value_and_what_would_be_right() {
+    let vehicle = "[[vehicle]]\nx_m = 0.5\ny_m = 0\naltitude_m = 50\nspeed_mps = 10";
+    let inside = "[[vehicle]]\nx_m = 70\ny_m = 9\naltitude_m = 50\nspeed_mps = 10";
+    let no_vehicle = GOOD.replacen("[[vehicle]]\nx_m = 0.0\ny_m = 0.0\naltitude_m = 50.0\nspeed_mps = 10.0\n", "", 1);
+    let table: &[(String, usize, &[&str])] = &[
+        // Keys.
+        (
+            with("radius_m", "radus_m"),
+            18,
+            &["obstacle[1].radus_m: unknown key", "did you mean radius_m?", "[[obstacle]] has x_m, y_m, radius_m"],
+        ),
+        (
+            with("[scenario]", "[scenari]"),
+            1,
+            &["scenari: unknown key", "did you mean scenario?", "a scenario file has preset, scenario"],
+        ),
+        (and("[law]\ngain = 1"), 20, &["law.gain: unknown key", "[law] has formation_gain"]),
+        (
+            with("duration_s = 2.0", "duration_s = 2.0\norigin = { lat = 3 }"),
+            4,
+            &["scenario.origin.lat: unknown key", "[scenario.origin] has latitude_deg"],
+        ),
+        (with("radius_m = 8.0", ""), 15, &["obstacle[1]: the key radius_m is missing"]),
+        (
+            with("[flock]\nexpected_speed_mps = 10.0\nexpected_altitude_m = 50.0", ""),
+            1,
+            &["the table [flock] is missing"],
+        ),
+        (
+            with("radius_m = 8.0", "radius_m = 8.0\nradius_m = 9.0"),
+            19,
+            &["`radius_m = 9.0`: duplicate key", "must be written once"],
+        ),
+        // Types.
+        (with("radius_m = 8.0", "radius_m = \"wide\""), 18, &["obstacle[1].radius_m = \"wide\": must be a number"]),
+        (
+            with("duration_s = 2.0", "duration_s = 2.0\nseed = -1"),
+            4,
+            &["scenario.seed = -1: must be a whole number, 0 or greater"],
+        ),
+        (with("duration_s = 2.0", "duration_s = 2.0\nseed = 1.5"), 4, &["scenario.seed = 1.5: must be a whole number"]),
+        (with("\"small\"", "7"), 2, &["scenario.name = 7: must be a text in quotes"]),
+        (and("[autopilot]\narmed = 1"), 20, &["autopilot.armed = 1: must be true or false"]),
+        (and("[link]\nground_port = 70000"), 20, &["link.ground_port = 70000: must be a whole number from 0 to 65535"]),
+        (
+            format!("preset = \"litteral\"\n{GOOD}"),
+            1,
+            &["preset = \"litteral\": must be \"default\", \"paper\" or \"literal\"; did you mean \"literal\"?"],
+        ),
+        (and("[optimizer]\nalgorithm = \"pso\""), 20, &["optimizer.algorithm = \"pso\": must be"]),
+        // Tables that are none.
+        (with("[[vehicle]]", "[vehicle]"), 9, &["vehicle: must be one table for each, written [[vehicle]]"]),
+        (with("[scenario]", "[[scenario]]"), 1, &["scenario: must not be an array"]),
+        (
+            with("duration_s = 2.0", "duration_s = 2.0\norigin = [1, 2, 3]"),
+            4,
+            &["scenario.origin: must not be an array"],
+        ),
+        (and("[[vehicles]]\ncount = 3"), 19, &["vehicles: must not be an array"]),
+        (format!("law = 3\n{GOOD}"), 1, &["law = 3: must be a table, written [law]"]),
+        // Grammar.
+        (with("[flock]", "[flock"), 5, &["`[flock`: unclosed table"]),
+        (with("radius_m = 8.0", "radius_m ="), 18, &["`radius_m =`: must have a number"]),
+        (with("radius_m = 8.0", "radius_m = wide"), 18, &["`radius_m = wide`: must have a number"]),
+        (with("radius_m = 8.0", "radius_m"), 18, &["`radius_m`: key with no value"]),
+        (with("radius_m = 8.0", "radius_m = 1e400"), 18, &["overflow", "must be a number that 64 bits can hold"]),
+        (
+            with("radius_m = 8.0", "radius_m = 99999999999999999999999"),
+            18,
+            &["overflow", "must be a number that 64 bits can hold"],
+        ),
+        // Ranges.
+        (
+            with("radius_m = 8.0", "radius_m = -8"),
+            18,
+            &["obstacle[1].radius_m = -8: must be a number greater than 0 and at most 10000"],
+        ),
+        (with("radius_m = 8.0", "radius_m = 0"), 18, &["obstacle[1].radius_m = 0: must be a number greater than 0"]),
+        (
+            with("radius_m = 8.0", "radius_m = nan"),
+            18,
+            &["obstacle[1].radius_m = nan: must be a number greater than 0"],
+        ),
+        (with("radius_m = 8.0", "radius_m = inf"), 18, &["obstacle[1].radius_m = inf: must be"]),
+        (with("radius_m = 8.0", "radius_m = 1e300"), 18, &["obstacle[1].radius_m = 1e300: must be"]),
+        (with("x_m = 0.0", "x_m = -1e9"), 10, &["vehicle[1].x_m = -1e9: must be a number from -100000 to 100000"]),
+        (
+            with("duration_s = 2.0", "duration_s = -2"),
+            3,
+            &["scenario.duration_s = -2: must be a number from 0.5", "86400"],
+        ),
+        (
+            with("duration_s = 2.0", "duration_s = 0.4"),
+            3,
+            &["scenario.duration_s = 0.4: must be a number from 0.5, one scenario.control_period_s"],
+        ),
+        (with("duration_s = 2.0", "duration_s = nan"), 3, &["scenario.duration_s = nan: must be"]),
+        (
+            with("duration_s = 2.0", "duration_s = 2\ncontrol_period_s = 0.333"),
+            4,
+            &["scenario.control_period_s = 0.333: must be a multiple of dynamics.integration_step_s = 0.01"],
+        ),
+        (
+            with("duration_s = 2.0", "duration_s = 2\ncontrol_period_s = 1e-10"),
+            4,
+            &["scenario.control_period_s = 1e-10: must be a number from 0.001"],
+        ),
+        (with("\"small\"", "\" \""), 2, &["scenario.name = \" \": must be a name"]),
+        (
+            and("[dynamics]\nintegration_step_s = 0"),
+            20,
+            &["dynamics.integration_step_s = 0: must be a number from 0.001 to 0.1"],
+        ),
+        (
+            and("[dynamics]\nintegration_step_s = 0.0015"),
+            20,
+            &["dynamics.integration_step_s = 0.0015: must be whole milliseconds"],
+        ),
+        (
+            and("[dynamics]\nintegration_step_s = 0.03"),
+            1,
+            &["scenario.control_period_s = 0.5 (by default): must be a multiple"],
+        ),
+        (
+            and("[dynamics]\nspeed_min_mps = nan"),
+            20,
+            &["dynamics.speed_min_mps = nan: must be a number from 0.1 to 300"],
+        ),
+        (
+            and("[optimizer]\niterations = 500"),
+            19,
+            &["optimizer.removed_per_iteration = 2 (by default): must be at most 0", "500 iterations"],
+        ),
+        (and("[optimizer]\nvelocity_limit = 0"), 20, &["optimizer.velocity_limit = 0: must be above 0 and at most 1"]),
+        (and("[law]\nsafe_distance_m = 0"), 20, &["law.safe_distance_m = 0: must be a number greater than 0"]),
+        (
+            and("[look_ahead]\nneighbours_max = 0"),
+            20,
+            &["look_ahead.neighbours_max = 0: must be a whole number from 1 to 64"],
+        ),
+        (and("[link]\nhost = \"nowhere\""), 20, &["link.host = \"nowhere\": must be an IP address"]),
+        (and("[link]\nloss = 1"), 20, &["link.loss = 1: must be a number from 0 to 0.95"]),
+        (
+            and("[link]\nvehicle_port = 14600\nground_port = 14600"),
+            21,
+            &["link.ground_port = 14600: must be none of the vehicles' ports, 14600 to 14600"],
+        ),
+        (and("[autopilot]\nattitude_hz = 100"), 20, &["autopilot.attitude_hz = 100: must be a number from 0 to 80"]),
+        (and("[output]\nfolder = \"\""), 20, &["output.folder = \"\": must be a folder's name"]),
+        (
+            format!("law.safe_distance_m = -1\n{GOOD}"),
+            1,
+            &["law.safe_distance_m = -1: must be a number greater than 0"],
+        ),
+        (with("radius_m = 8.0", "\"radius_m\" = -8"), 18, &["obstacle[1].radius_m = -8: must be"]),
+        (
+            GOOD.replace('\n', "\r\n").replace("radius_m = 8.0", "radius_m = -8"),
+            18,
+            &["obstacle[1].radius_m = -8: must be"],
+        ),
+        (and("[weights]\nmin = 100"), 19, &["weights.max = 3 (by default): must be a number greater than 100"]),
+        (
+            with(
+                "duration_s = 2.0",
+                "duration_s = 86400\ncontrol_period_s = 0.001\n[dynamics]\nintegration_step_s = 0.001",
+            ),
+            3,
+            &["scenario.duration_s = 86400: must be at most 20000: a flight keeps"],
+        ),
+        // What no single setting shows.
+        (no_vehicle, 0, &["field.toml: the flock is empty: must have at least one [[vehicle]]"]),
+        (and("[vehicles]\ncount = 3"), 19, &["[vehicles] stands beside [[vehicle]]: must be either"]),
+        (
+            and(vehicle),
+            19,
+            &["vehicle 2 at x_m = 0.5, y_m = 0: must be at least 1 m from vehicle 1, which starts 0.50 m away"],
+        ),
+        (and(inside), 19, &["vehicle 2 at x_m = 70, y_m = 9: must be outside obstacle 1, 7.00 m inside"]),
+    ];
+    for (text, line, words) in table {
+        let message = refusal_of(text);
+        let place = if *line == 0 { "field.toml: ".to_owned() } else { format!("field.toml:{line}: ") };
+        assert!(message.starts_with(&place), "{message}\nshould be at {place}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+        for word in *words {
+            assert!(message.contains(word), "{message}\nshould say: {word}");
+        }
+    }
+}
+
+#[test]
+fn a_speed_out_of_the_limits_is_told_for_the_vehicle_that_has_it() {
+    let text = format!(
+        "{}[dynamics]\nspeed_max_mps = 9.0\n",
+        GOOD.replace("expected_speed_mps = 10.0", "expected_speed_mps = 8.0")
+    );
+    assert_eq!(refusal_of(&text), "field.toml:13: vehicle[1].speed_mps = 10.0: must be a number from 5 to 9");
+}
+
+#[test]
+fn limits_that_leave_nothing_between_them_are_refused() {
+    let message = refusal_of(&and("[dynamics]\nspeed_min_mps = 300"));
+    assert!(
+        message.contains("field.toml:19: dynamics.speed_max_mps = 15 (by default): must be a number greater than 300"),
+        "{message}"
+    );
+}
+
+#[test]
+fn faults_are_told_all_at_once_in_the_order_of_their_lines() {
+    let text = with("radius_m = 8.0", "radius_m = -1").replace("altitude_m = 50.0\nspeed", "altitude_m = 1e9\nspeed");
+    let message = refusal_of(&text);
+    let lines: Vec<&str> = message.lines().collect();
+    assert_eq!(lines.len(), 2, "{message}");
+    assert!(
+        lines[0].starts_with("field.toml:12: vehicle[1].altitude_m = 1e9") && lines[1].starts_with("field.toml:18: "),
+        "{message}"
+    );
+}
+
+#[test]
+fn of_very_many_faults_the_rest_is_counted() {
+    let bad = "[[obstacle]]\nx_m = 0\ny_m = 500\nradius_m = -1\n".repeat(50);
+    let message = refusal_of(&and(&bad));
+    assert_eq!(message.lines().count(), 21);
+    assert!(message.ends_with("field.toml: and 30 faults more"), "{message}");
+}
+
+#[test]
+fn a_value_from_the_command_line_is_blamed_on_its_flag() {
+    let message =
+        |overrides: Overrides| load_text(&and("[link]\nvehicle_port = 14600"), &overrides).expect_err("refused");
+    let short = message(Overrides { duration_s: Some(0.1), ..Overrides::default() });
+    assert!(short.starts_with("--duration 0.1: must be a number from 0.5"), "{short}");
+    let loss = message(Overrides { loss: Some(2.0), ..Overrides::default() });
+    assert!(loss.starts_with("--loss 2: must be a number from 0 to 0.95"), "{loss}");
+    let port = message(Overrides { vehicle_port: Some(65_535), count: Some(9), ..Overrides::default() });
+    assert!(port.starts_with("--vehicle-port 65535: must be at most 65527 for 9 vehicles"), "{port}");
+    let ground = message(Overrides { ground_port: Some(14_600), ..Overrides::default() });
+    assert!(ground.starts_with("--ground-port 14600: must be none of the vehicles' ports"), "{ground}");
+    let count = message(Overrides { count: Some(0), ..Overrides::default() });
+    assert!(count.starts_with("--count 0: must be a whole number from 1 to 10000"), "{count}");
+    // The obstacle stands where the pattern would put a vehicle.
+    let overrides = Overrides { count: Some(2), ..Overrides::default() };
+    let inside = load_text(&with("x_m = 70.0", "x_m = 0.0"), &overrides).expect_err("refused");
+    assert!(inside.starts_with("--count 2: vehicle 2 at x_m = 0, y_m = 6: must be outside obstacle 1"), "{inside}");
+}
+
+#[test]
+fn a_fault_of_the_file_stays_the_files_beside_flags() {
+    let overrides = Overrides { duration_s: Some(4.0), loss: Some(0.1), ..Overrides::default() };
+    let message = load_text(&with("radius_m = 8.0", "radius_m = -8"), &overrides).expect_err("refused");
+    assert!(message.starts_with("field.toml:18: obstacle[1].radius_m = -8"), "{message}");
+}
+
+#[test]
+fn a_port_is_traced_to_the_flag_the_line_or_the_default() {
+    let of = |text: &str, overrides: Overrides| {
+        load_text(text, &overrides).unwrap().provenance.of("link.ground_port", "--ground-port")
+    };
+    let written = and("[link]\nground_port = 14550");
+    assert_eq!(of(&written, Overrides { ground_port: Some(9), ..Overrides::default() }), "--ground-port 9");
+    assert_eq!(of(&written, Overrides::default()), "field.toml:20: link.ground_port = 14550");
+    assert_eq!(of(GOOD, Overrides::default()), "link.ground_port (by default; --ground-port sets it)");
+}
+
+#[test]
+fn a_preset_is_the_base_of_what_the_tables_write() {
+    let literal = controller::ControllerSettings::literal();
+    for law in ["[law]\nformation_gain = 0.3", "law.formation_gain = 0.3"] {
+        let text = match law.strip_prefix("law.") {
+            Some(_) => format!("preset = \"literal\"\n{law}\n{GOOD}"),
+            None => format!("preset = \"literal\"\n{GOOD}{law}\n"),
+        };
+        let settings = load_text(&text, &Overrides::default()).unwrap().controller;
+        assert_eq!(settings.law, controller::LawSettings { formation_gain: 0.3, ..literal.law.clone() });
+        assert_eq!((settings.weights, settings.look_ahead), (literal.weights.clone(), literal.look_ahead.clone()));
+    }
+    // A table that is written back to its default is not the preset's any more.
+    let text = format!("preset = \"literal\"\n{GOOD}[law]\nobstacle_rule = \"blocking\"\n");
+    let law = load_text(&text, &Overrides::default()).unwrap().controller.law;
+    assert_eq!(law.obstacle_rule, controller::ObstacleRule::Blocking);
+    assert_eq!(law.obstacle_margin_m, literal.law.obstacle_margin_m);
+}
+
+#[test]
+fn a_preset_of_the_command_line_stands_in_for_the_files() {
+    let overrides = Overrides { preset: Some(Preset::Paper), ..Overrides::default() };
+    let scenario = load_text(&format!("preset = \"literal\"\n{GOOD}"), &overrides).unwrap();
+    assert_eq!(scenario.preset, Preset::Paper);
+    assert_eq!(scenario.controller, controller::ControllerSettings::paper());
+}
+
+#[test]
+fn a_wrong_type_over_a_preset_is_told_by_line() {
+    let message = refusal_of(&format!("preset = \"literal\"\n{GOOD}[law]\nformation_gain = \"much\"\n"));
+    assert_eq!(message, "field.toml:21: law.formation_gain = \"much\": must be a number");
+}
+
+#[test]
+fn patterns_place_as_many_as_asked_and_apart() {
+    let no_vehicle = GOOD.replacen("[[vehicle]]\nx_m = 0.0\ny_m = 0.0\naltitude_m = 50.0\nspeed_mps = 10.0\n", "", 1);
+    for (pattern, apart_m) in [("line", 12.0), ("grid", 12.0), ("wedge", 12.0), ("random", 6.0)] {
+        for count in [1, 2, 7, 60] {
+            let text = format!(
+                "{no_vehicle}[vehicles]\ncount = {count}\npattern = \"{pattern}\"\nx_m = -500.0\ncourse_deg = 30.0\n"
+            );
+            let starts = load_text(&text, &Overrides::default()).unwrap().starts;
+            assert_eq!(starts.len(), count);
+            let (ahead_x, ahead_y) = (libm::cos(30f64.to_radians()), libm::sin(30f64.to_radians()));
+            for (index, a) in starts.iter().enumerate() {
+                assert!((a.x_m + 500.0) * ahead_x + a.y_m * ahead_y <= 1e-9, "{pattern}: none before the front");
+                for b in &starts[..index] {
+                    let (dx, dy) = (a.x_m - b.x_m, a.y_m - b.y_m);
+                    assert!((dx * dx + dy * dy).sqrt() > apart_m - 1e-6, "{pattern} of {count}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pattern_that_reaches_too_far_is_refused() {
+    let no_vehicle = GOOD.replacen("[[vehicle]]\nx_m = 0.0\ny_m = 0.0\naltitude_m = 50.0\nspeed_mps = 10.0\n", "", 1);
+    let message = refusal_of(&format!("{no_vehicle}[vehicles]\ncount = 1000\npattern = \"line\"\nspacing_m = 1000\n"));
+    assert!(message.starts_with("field.toml:14: vehicle 1 at "), "{message}");
+    assert!(message.contains("must be within 100000 m of the origin"), "{message}");
+}
+
+proptest::proptest! {
+    /// Whatever a file holds, it is a scenario or a message; never a panic.
+    #[test]
+    fn no_text_is_more_than_refused(text in "[\\[\\]a-z_=\".0-9\n -]{0,200}") {
+        let _ = load_text(&text, &Overrides::default());
+        let _ = load_text(&and(&text), &Overrides::default());
+    }
+
+    /// Cutting a good file anywhere gives a scenario or one message with a line or none.
+    #[test]
+    fn no_truncated_file_is_more_than_refused(length in 0..PAPER.len()) {
+        if let Some(text) = PAPER.get(..length)
+            && let Err(message) = load_text(text, &Overrides::default())
+        {
+            proptest::prop_assert!(message.starts_with("field.toml"), "{}", message);
+        }
+    }
+}

@@ -18,8 +18,6 @@ const GROUND: (u8, u8) = (255, 190);
 const GUIDED: u32 = 15;
 /// A command that is not answered, or not accepted, is sent again after this.
 const RETRY: Duration = Duration::from_millis(250);
-/// Vehicles that have said nothing yet are greeted this often.
-const GREETING: Duration = Duration::from_secs(1);
 
 /// Why the ground cannot fly.
 #[derive(Debug, thiserror::Error)]
@@ -151,12 +149,12 @@ impl Ground {
         self.fleet.crafts().get(vehicle).map_or_else(Target::default, |craft| craft.target)
     }
 
-    /// Waits until every vehicle has said where it is, and speaks first to those whose address is known: their telemetry
-    /// may go to somebody else until they are spoken to.
+    /// Waits until every vehicle has said where it is. Those that are silent and whose address is known are spoken to: a
+    /// vehicle answers who speaks to it, though it may have been told of no ground station.
     pub async fn muster(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
         let deadline = Instant::now() + patience;
-        let mut greeting = tokio::time::interval(GREETING);
         let mut news = Vec::new();
+        let mut call = tokio::time::interval_at(Instant::now() + RETRY, RETRY);
         loop {
             let silent = |ground: &Self| -> Vec<usize> {
                 let crafts = ground.fleet.crafts().iter().enumerate();
@@ -168,7 +166,7 @@ impl Ground {
             tokio::select! {
                 () = stopped(stop) => return Err(GroundError::Interrupted),
                 received = self.recv(at_us, &mut news) => received?,
-                _ = greeting.tick() => for vehicle in silent(self) {
+                _ = call.tick() => for vehicle in silent(self) {
                     self.send(vehicle, &[ground_heartbeat()], at_us).await;
                 },
                 () = tokio::time::sleep_until(deadline) => {

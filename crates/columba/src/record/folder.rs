@@ -7,7 +7,8 @@ use std::{
 };
 
 /// A folder that exists and can be written into. A file in it is whole or absent: its bytes go to a temporary name beside
-/// it, which is then renamed over whatever an older run left there.
+/// it, which is then renamed over whatever an older run left there. The name is the process's own, so that two runs into
+/// one folder do not take each other's files away: the last to end stays.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -18,7 +19,7 @@ impl RunFolder {
     /// flight does not end with nowhere to put it.
     pub fn create(path: impl Into<PathBuf>) -> Result<Self, RecordError> {
         let path = path.into();
-        let probe = path.join(".writable.tmp");
+        let probe = path.join(format!(".writable.{}.tmp", std::process::id()));
         fs::create_dir_all(&path)
             .and_then(|()| fs::write(&probe, b""))
             .and_then(|()| fs::remove_file(&probe))
@@ -43,7 +44,7 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(parent)?;
     }
     let mut temporary = path.as_os_str().to_owned();
-    temporary.push(".tmp");
+    temporary.push(format!(".{}.tmp", std::process::id()));
     let temporary = PathBuf::from(temporary);
     let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
     if written.is_err() {
