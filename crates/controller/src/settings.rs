@@ -76,7 +76,8 @@ pub enum AltitudeLaw {
 pub struct WeightSettings {
     /// One alpha for all three terms, or one for each.
     pub kind: WeightKind,
-    /// Least alpha.
+    /// Least alpha. Above zero the law never lets go altogether: with an alpha_o of zero a vehicle past its obstacle drifts
+    /// on where it happens to point (docs/reading.md has the figures).
     pub min: f64,
     /// Greatest alpha.
     pub max: f64,
@@ -99,7 +100,7 @@ pub enum ForecastKind {
     /// Straight on (reading 11: neighbours are extrapolated).
     Straight,
     /// By the flocking law, each with the weights it was given last: the ground controller knows them, and a flock that
-    /// foresees its own evasions keeps apart where extrapolation does not (docs/reading.md has the figures).
+    /// foresees its own evasions keeps apart where extrapolation does not.
     Law,
 }
 
@@ -145,7 +146,7 @@ impl Default for LawSettings {
 
 impl Default for WeightSettings {
     fn default() -> Self {
-        Self { kind: WeightKind::PerTerm, min: 0.0, max: 3.0 }
+        Self { kind: WeightKind::PerTerm, min: 0.2, max: 3.0 }
     }
 }
 
@@ -153,7 +154,7 @@ impl Default for LookAheadSettings {
     fn default() -> Self {
         Self {
             horizon_s: 3.0,
-            forecast: ForecastKind::Straight,
+            forecast: ForecastKind::Law,
             separation_m: 3.0,
             clearance_m: 1.0,
             evasion: true,
@@ -173,7 +174,7 @@ impl ControllerSettings {
     /// The paper with the readings that make it work as described: one alpha shared by the terms.
     pub fn paper() -> Self {
         let mut settings = Self::default();
-        settings.weights.kind = WeightKind::Shared;
+        settings.weights = WeightSettings { kind: WeightKind::Shared, min: 0.0, ..settings.weights };
         settings.look_ahead.forecast = ForecastKind::Straight;
         settings.look_ahead.evasion = false;
         settings
