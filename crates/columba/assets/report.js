@@ -119,11 +119,12 @@
     const minus = (value) => String(value).replace("-", "\u2212");
     for (let metres = Math.ceil(mx(0) / step) * step; metres <= mx(width); metres += step) {
       context.beginPath(); context.moveTo(view.px(metres), 0); context.lineTo(view.px(metres), height); context.stroke();
-      context.fillText(minus(metres), view.px(metres) + 4, height - 6);
+      const label = minus(metres), x = view.px(metres) + 4;
+      if (x + context.measureText(label).width < width - 2) context.fillText(label, x, height - 6);
     }
     for (let metres = Math.ceil(my(height) / step) * step; metres <= my(0); metres += step) {
       context.beginPath(); context.moveTo(0, view.py(metres)); context.lineTo(width, view.py(metres)); context.stroke();
-      if (view.py(metres) < height - 24) context.fillText(`${minus(metres)} m`, 4, view.py(metres) - 4);
+      if (view.py(metres) < height - 24 && view.py(metres) > 16) context.fillText(`${minus(metres)} m`, 4, view.py(metres) - 4);
     }
   }
 

@@ -4,58 +4,10 @@ use crate::command::Commander;
 use crate::forecast::{Crew, Forecast};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
-use crate::{ControllerSettings, Expected, ForecastKind, Obstacle};
-use flight_model::{Autopilot, Dynamics, Setpoint, State};
-use optimizer::MslpioSettings;
+use crate::{Decision, FlockSettings, ForecastKind};
+use flight_model::{Autopilot, State};
 use rayon::prelude::*;
 use std::time::Duration;
-
-/// What a flock needs to know before its first tick.
-#[derive(Clone, Debug)]
-pub struct FlockSettings {
-    /// The flocking law, its weights and look-ahead.
-    pub controller: ControllerSettings,
-    /// The optimiser that picks the weights.
-    pub optimizer: MslpioSettings,
-    /// Key of every random number, with the vehicle's index and the tick.
-    pub seed: u64,
-    /// T, s.
-    pub control_period_s: f64,
-    /// What the flock is to do.
-    pub expected: Expected,
-    /// What it is to avoid.
-    pub obstacles: Vec<Obstacle>,
-    /// How its vehicles fly.
-    pub dynamics: Dynamics,
-}
-
-impl FlockSettings {
-    /// The paper's settings in an empty field, T = 0.5 s.
-    pub fn new(expected: Expected) -> Self {
-        Self {
-            controller: ControllerSettings::default(),
-            optimizer: MslpioSettings::default(),
-            seed: 1,
-            control_period_s: 0.5,
-            expected,
-            obstacles: Vec::new(),
-            dynamics: Dynamics::default(),
-        }
-    }
-}
-
-/// What one vehicle is told at one tick, and how that came about.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Decision {
-    /// The inputs of the three autopilots (Eq. 2).
-    pub setpoint: Setpoint,
-    /// alpha_f, alpha_o, alpha_nv.
-    pub weights: [f64; 3],
-    /// Whether the chosen weights keep both constraints over the horizon.
-    pub feasible: bool,
-    /// How long the optimiser took.
-    pub solve: Duration,
-}
 
 /// The ground controller of a flock. It knows no sockets, no clock and no MAVLink.
 pub struct Flock {

@@ -1,8 +1,8 @@
 //! Where the neighbours will be while a vehicle looks ahead.
 
 use crate::command::Commander;
+use crate::law::command;
 use crate::neighbours::Neighbours;
-use crate::pilot::command;
 use crate::terms::Neighbour;
 use crate::vector::Vec2;
 use crate::{Expected, LawSettings, Obstacle};

@@ -6,18 +6,20 @@
 //! | equation | file |
 //! |---|---|
 //! | 2 | `command.rs` |
-//! | 4 | `pilot.rs` |
+//! | 4 | `law.rs` |
 //! | 5, 6, 8, 9, 10 | `terms.rs` |
 //! | 7 | `steering.rs`, `terms.rs` |
 //! | 11, 12 and the constraints | `look_ahead.rs` |
 //! | Algorithm 2 | `flock.rs` |
 
 mod command;
+mod decision;
 mod evasion;
 mod field;
 mod flights;
 mod flock;
 mod forecast;
+mod law;
 mod look_ahead;
 mod neighbours;
 mod pilot;
@@ -27,8 +29,9 @@ pub mod steering;
 pub mod terms;
 mod vector;
 
+pub use decision::{Decision, FlockSettings};
 pub use field::{Expected, Obstacle};
-pub use flock::{Decision, Flock, FlockSettings};
+pub use flock::Flock;
 pub use settings::{
     AltitudeLaw, ControllerSettings, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
     WeightSettings,

@@ -1,6 +1,6 @@
 //! One port and the vehicles behind it.
 
-use crate::host::{Advance, Clock, HostError, Observer};
+use crate::hosting::{Advance, Clock, HostError, Observer};
 use crate::services::target_system;
 use crate::{Vehicle, VehicleCounters};
 use flight_model::State;

@@ -8,6 +8,7 @@ mod counters;
 mod endpoint;
 mod flight;
 mod host;
+mod hosting;
 mod links;
 mod lockstep;
 mod loiter;
@@ -18,7 +19,8 @@ mod telemetry;
 mod vehicle;
 
 pub use counters::VehicleCounters;
-pub use host::{Advance, Clock, Host, HostError, HostReport, HostSettings, Observer};
+pub use host::{Host, HostReport, HostSettings};
+pub use hosting::{Advance, Clock, HostError, Observer};
 pub use mode::{Mode, NoSuchMode};
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
 pub use vehicle::{PeerId, SetpointRefused, Transmit, Vehicle};

@@ -149,9 +149,15 @@ impl Ground {
         self.fleet.crafts().get(vehicle).map_or_else(Target::default, |craft| craft.target)
     }
 
+    /// Waits until every vehicle has said where it is, then sees to it that all are armed and in GUIDED.
+    pub async fn make_ready(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
+        self.muster(patience, at_us, stop).await?;
+        self.engage(patience, at_us, stop).await
+    }
+
     /// Waits until every vehicle has said where it is. Those that are silent and whose address is known are spoken to: a
     /// vehicle answers who speaks to it, though it may have been told of no ground station.
-    pub async fn muster(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
+    async fn muster(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
         let deadline = Instant::now() + patience;
         let mut news = Vec::new();
         let mut call = tokio::time::interval_at(Instant::now() + RETRY, RETRY);
@@ -177,7 +183,7 @@ impl Ground {
     }
 
     /// Brings every vehicle into GUIDED and arms it, unless its heartbeat says that it is so already.
-    pub async fn engage(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
+    async fn engage(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
         let guided = command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, GUIDED as f32);
         let arm = command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 0.0);
         for vehicle in 0..self.fleet.crafts().len() {

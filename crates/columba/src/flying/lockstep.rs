@@ -28,10 +28,7 @@ pub async fn fly(
     let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
     let vehicles = scenario.starts.len();
     let mut flight = Lockstep { now: Duration::ZERO, datagrams: vec![Vec::new(); vehicles], states: Vec::new() };
-    let mustered = match ground.muster(PATIENCE, LOCKSTEP_EPOCH_US, &mut stop).await {
-        Ok(()) => ground.engage(PATIENCE, LOCKSTEP_EPOCH_US, &mut stop).await,
-        Err(error) => Err(error),
-    };
+    let mustered = ground.make_ready(PATIENCE, LOCKSTEP_EPOCH_US, &mut stop).await;
     let starts = match mustered {
         Ok(()) => ground.fleet().crafts().iter().filter_map(|craft| craft.position.map(|at| at.state)).collect(),
         Err(_) => scenario.starts.clone(),
@@ -42,11 +39,7 @@ pub async fn fly(
         Ok(()) => flight.fly(scenario, &mut ground, &mut truth, &mut flock, &mut recorder, progress, &mut stop).await,
         Err(error) => Err(error),
     };
-    let ended = match ended {
-        Ok(()) => Ended::Completed,
-        Err(GroundError::Interrupted) => Ended::Interrupted,
-        Err(error) => Ended::Failed(error.to_string()),
-    };
+    let ended = Ended::from(ended);
     recorder.last(flight.now.as_secs_f64(), &flight.states);
     let (counters, log) = ground.close();
     Ok((recorder.finish(scenario, "lockstep", ended, serde_json::to_value(counters)?), log))

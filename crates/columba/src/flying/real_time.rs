@@ -41,21 +41,14 @@ pub async fn fly(
     let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
     let mut flight =
         RealTime { pace, started: Instant::now(), elapsed: Duration::ZERO, warned: vec![false; scenario.starts.len()] };
-    let mustered = match ground.muster(MUSTER_PATIENCE, unix_us(), &mut stop).await {
-        Ok(()) => ground.engage(MUSTER_PATIENCE, unix_us(), &mut stop).await,
-        Err(error) => Err(error),
-    };
+    let mustered = ground.make_ready(MUSTER_PATIENCE, unix_us(), &mut stop).await;
     let starts = flight.states(&ground).unwrap_or_else(|| scenario.starts.clone());
     let mut recorder = Recorder::new(scenario, &starts);
     let ended = match mustered {
         Ok(()) => flight.fly(scenario, &mut ground, &mut truth, &mut flock, &mut recorder, progress, &mut stop).await,
         Err(error) => Err(error),
     };
-    let ended = match ended {
-        Ok(()) => Ended::Completed,
-        Err(GroundError::Interrupted) => Ended::Interrupted,
-        Err(error) => Ended::Failed(error.to_string()),
-    };
+    let ended = Ended::from(ended);
     let last = flight.states(&ground).unwrap_or(starts);
     recorder.last(flight.elapsed.as_secs_f64(), &last);
     let (counters, log) = ground.close();

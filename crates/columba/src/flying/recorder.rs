@@ -1,5 +1,6 @@
 //! What is kept of a flight while it flies, and the summary when it is over.
 
+use super::GroundError;
 use crate::config::Scenario;
 use crate::flight::{Field, Flight, Obstacle, Row, Setting, Summary, Tick, Trajectory, vehicle_number};
 use crate::judge::{COLLISION_DISTANCE_M, Judge, Minima};
@@ -16,6 +17,16 @@ pub enum Ended {
     Interrupted,
     /// It could not go on, for this reason.
     Failed(String),
+}
+
+impl From<Result<(), GroundError>> for Ended {
+    fn from(flown: Result<(), GroundError>) -> Self {
+        match flown {
+            Ok(()) => Self::Completed,
+            Err(GroundError::Interrupted) => Self::Interrupted,
+            Err(error) => Self::Failed(error.to_string()),
+        }
+    }
 }
 
 /// Keeps every tick of a flight.

@@ -2,7 +2,7 @@
 //! vehicle model, with costs summed up as one reads Eq. 11 and 12.
 
 use super::*;
-use crate::pilot::{command, heading};
+use crate::law::{command, heading};
 use crate::terms::Neighbour;
 use crate::vector::Vec2;
 use crate::{AltitudeLaw, steering};
