@@ -25,6 +25,10 @@ pub struct Fault {
 
 /// Greatest length in a scenario, m: what single precision on the wire resolves to a centimetre.
 const LENGTH_MAX_M: f64 = 100_000.0;
+/// Longest look-ahead, s, and in control periods.
+const HORIZON_MAX_S: f64 = 60.0;
+const HORIZON_PERIODS_MAX: f64 = 3_000.0;
+
 /// Most vehicles of a scenario, and most obstacles.
 pub const COUNT_MAX: usize = 10_000;
 /// Longest flight, s.
@@ -198,10 +202,19 @@ fn controller(file: &ScenarioFile, faults: &mut Faults) {
         ("law.desired_distance_m", law.desired_distance_m, 1_000.0),
         ("law.safe_distance_m", law.safe_distance_m, 1_000.0),
         ("law.perception_distance_m", law.perception_distance_m, 10_000.0),
-        ("look_ahead.horizon_s", file.look_ahead.horizon_s, 60.0),
+        ("look_ahead.horizon_s", file.look_ahead.horizon_s, HORIZON_MAX_S),
         ("look_ahead.separation_m", file.look_ahead.separation_m, 1_000.0),
     ] {
         faults.above(key, value, 0.0, high);
+    }
+    let periods_s = HORIZON_PERIODS_MAX * file.scenario.control_period_s;
+    if (0.001..=10.0).contains(&file.scenario.control_period_s) && file.look_ahead.horizon_s <= HORIZON_MAX_S {
+        let horizon_s = file.look_ahead.horizon_s;
+        if horizon_s > periods_s {
+            let wanted =
+                format!("at most {HORIZON_PERIODS_MAX} control periods, {periods_s} s: every solve flies it 651 times");
+            faults.add("look_ahead.horizon_s", horizon_s, wanted);
+        }
     }
     faults.above("weights.max", file.weights.max, file.weights.min, 100.0);
     faults.within("look_ahead.clearance_m", file.look_ahead.clearance_m, 0.0, 100.0);

@@ -101,6 +101,11 @@ fn every_fault_is_told_by_line_key_value_and_what_would_be_right() {
             1,
             &["preset = \"litteral\": must be \"default\", \"paper\" or \"literal\"; did you mean \"literal\"?"],
         ),
+        (
+            with("duration_s = 2.0", "duration_s = 2.0\ncontrol_period_s = 0.01") + "[look_ahead]\nhorizon_s = 40\n",
+            21,
+            &["look_ahead.horizon_s = 40: must be at most 3000 control periods, 30 s"],
+        ),
         (and("[optimizer]\nalgorithm = \"pso\""), 20, &["optimizer.algorithm = \"pso\": must be"]),
         // Tables that are none.
         (with("[[vehicle]]", "[vehicle]"), 9, &["vehicle: must be one table for each, written [[vehicle]]"]),
