@@ -40,6 +40,23 @@ impl Extent {
 }
 
 impl Extent {
+    /// The box around this one and another.
+    #[inline(always)]
+    pub fn and(&self, other: &Self) -> Self {
+        Self {
+            low: (self.low.0.min(other.low.0), self.low.1.min(other.low.1)),
+            high: (self.high.0.max(other.high.0), self.high.1.max(other.high.1)),
+        }
+    }
+
+    /// Whether something that goes from one place to another may come within a distance of the box.
+    #[inline(always)]
+    pub fn may_be_met(&self, from_m: (f64, f64), to_m: (f64, f64), distance_m: f64) -> bool {
+        let (half_x, half_y) = (0.5 * (to_m.0 - from_m.0), 0.5 * (to_m.1 - from_m.1));
+        let half_m = (half_x * half_x + half_y * half_y).sqrt();
+        self.is_within(from_m.0 + half_x, from_m.1 + half_y, distance_m + half_m)
+    }
+
     /// Whether a circle can reach into the corridor of this half width that runs from a place in the box along `ahead`.
     #[inline(always)]
     pub fn may_be_blocked(&self, x_m: f64, y_m: f64, half_width_m: f64, ahead: (f64, f64)) -> bool {
@@ -64,6 +81,9 @@ pub struct Flights {
     sin: Each,
     vx: Each,
     vy: Each,
+    /// Where the last step began, and where it was half-way.
+    start_x: Each,
+    start_y: Each,
     middle_x: Each,
     middle_y: Each,
     formation_x: Each,
@@ -96,6 +116,8 @@ impl Flights {
             sin: ZERO,
             vx: ZERO,
             vy: ZERO,
+            start_x: ZERO,
+            start_y: ZERO,
             middle_x: ZERO,
             middle_y: ZERO,
             formation_x: ZERO,
@@ -305,6 +327,8 @@ impl Flights {
             let cos_2 = cos * turn_cos - sin * turn_sin;
             let sin_2 = sin * turn_cos + cos * turn_sin;
             let (vx_2, vy_2) = (speed_2 * cos_2, speed_2 * sin_2);
+            self.start_x[i] = self.x[i];
+            self.start_y[i] = self.y[i];
             self.middle_x[i] = self.x[i] + step.period_s / 4.0 * (self.vx[i] + vx_1);
             self.middle_y[i] = self.y[i] + step.period_s / 4.0 * (self.vy[i] + vy_1);
             self.x[i] += step.period_s / 6.0 * (self.vx[i] + 4.0 * vx_1 + vx_2);
@@ -329,16 +353,19 @@ impl Flights {
         }
     }
 
-    /// Adds the metres by which the vehicles fall short of `wanted_m` from a place, half-way through the last step.
+    /// Adds the metres by which the vehicles fell short of `wanted_m` from something in the first half of the last step,
+    /// which went from one place to another meanwhile.
     #[inline(always)]
-    pub fn keep_off_half_way(&mut self, x_m: f64, y_m: f64, wanted_m: f64) {
-        add_shortfall(&mut self.violation_m, &self.middle_x, &self.middle_y, self.count, (x_m, y_m), wanted_m);
+    pub fn keep_off_first_half(&mut self, from_m: (f64, f64), to_m: (f64, f64), wanted_m: f64) {
+        let (start, end) = ((&self.start_x, &self.start_y), (&self.middle_x, &self.middle_y));
+        add_shortfall(&mut self.violation_m, start, end, self.count, (from_m, to_m), wanted_m);
     }
 
-    /// Adds the metres by which the vehicles fall short of `wanted_m` from a place, now.
+    /// The same of the second half.
     #[inline(always)]
-    pub fn keep_off(&mut self, x_m: f64, y_m: f64, wanted_m: f64) {
-        add_shortfall(&mut self.violation_m, &self.x, &self.y, self.count, (x_m, y_m), wanted_m);
+    pub fn keep_off_second_half(&mut self, from_m: (f64, f64), to_m: (f64, f64), wanted_m: f64) {
+        let (start, end) = ((&self.middle_x, &self.middle_y), (&self.x, &self.y));
+        add_shortfall(&mut self.violation_m, start, end, self.count, (from_m, to_m), wanted_m);
     }
 }
 
@@ -351,13 +378,26 @@ pub struct Step {
     pub course_gain: [f64; 2],
 }
 
-/// (w^2 - d^2) / 2w is the shortfall w - d to first order, and needs no root.
+/// Shortfalls at the closest approach of two straight motions: two that cross are nearest between two samples. Of the
+/// distance d there, (w^2 - d^2) / 2w is the shortfall w - d to first order, and needs no root.
 #[inline(always)]
-fn add_shortfall(sum: &mut Each, x: &Each, y: &Each, count: usize, place_m: (f64, f64), wanted_m: f64) {
+fn add_shortfall(
+    sum: &mut Each,
+    start: (&Each, &Each),
+    end: (&Each, &Each),
+    count: usize,
+    (from_m, to_m): ((f64, f64), (f64, f64)),
+    wanted_m: f64,
+) {
     let (squared, scale) = (wanted_m * wanted_m, 0.5 / wanted_m);
     for i in 0..count.min(BATCH) {
-        let (dx, dy) = (place_m.0 - x[i], place_m.1 - y[i]);
-        let shortfall = (squared - (dx * dx + dy * dy)) * scale;
+        let (x, y) = (from_m.0 - start.0[i], from_m.1 - start.1[i]);
+        let (dx, dy) = (to_m.0 - end.0[i] - x, to_m.1 - end.1[i] - y);
+        let moved = dx * dx + dy * dy;
+        let moved = if moved > 1e-12 { moved } else { 1e-12 };
+        let nearest = clamp(-(x * dx + y * dy) / moved, 0.0, 1.0);
+        let (x, y) = (x + nearest * dx, y + nearest * dy);
+        let shortfall = (squared - (x * x + y * y)) * scale;
         sum[i] += if shortfall > 0.0 { shortfall } else { 0.0 };
     }
 }

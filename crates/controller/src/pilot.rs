@@ -100,9 +100,14 @@ impl Pilot {
         let separation_m = settings.controller.look_ahead.separation_m;
         let own = around.forecast.vehicle(vehicle);
         let meets = |&(_, other): &(f64, u32)| {
-            own.iter().zip(around.forecast.vehicle(other as usize)).skip(1).any(|(here, there)| {
-                let (dx, dy) = (there.x_m - here.x_m, there.y_m - here.y_m);
-                dx * dx + dy * dy < separation_m * separation_m
+            let offsets = own
+                .iter()
+                .zip(around.forecast.vehicle(other as usize))
+                .map(|(here, there)| Vec2::new(there.x_m - here.x_m, there.y_m - here.y_m));
+            let mut before = None;
+            offsets.into_iter().any(|offset| {
+                let nearest_m = before.replace(offset).map_or(f64::INFINITY, |before: Vec2| before.nearest_to(offset));
+                nearest_m < separation_m
             })
         };
         if decision.feasible && !self.sight.found.iter().any(meets) {

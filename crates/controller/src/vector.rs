@@ -30,6 +30,13 @@ impl Vec2 {
         self.x * other.y - self.y * other.x
     }
 
+    /// Least length on the straight way from this vector to another.
+    pub fn nearest_to(self, other: Self) -> f64 {
+        let way = other - self;
+        let share = (-self.dot(way) / way.dot(way).max(1e-12)).clamp(0.0, 1.0);
+        (self + way * share).norm()
+    }
+
     /// Length.
     pub fn norm(self) -> f64 {
         self.dot(self).sqrt()
@@ -54,5 +61,17 @@ impl Mul<f64> for Vec2 {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
         Self::new(self.x * factor, self.y * factor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_that_cross_are_nearest_between_their_samples() {
+        assert!((Vec2::new(-3.0, 1.0).nearest_to(Vec2::new(5.0, 1.0)) - 1.0).abs() < 1e-12);
+        assert_eq!(Vec2::new(3.0, 4.0).nearest_to(Vec2::new(6.0, 8.0)), 5.0);
+        assert_eq!(Vec2::new(3.0, 4.0).nearest_to(Vec2::new(3.0, 4.0)), 5.0);
     }
 }

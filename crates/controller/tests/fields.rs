@@ -2,7 +2,7 @@
 
 mod flight;
 
-use controller::{FlockSettings, ForecastKind};
+use controller::ForecastKind;
 use flight::{field, fly};
 
 fn gets_through(seed: u64, vehicles: usize) {
@@ -26,13 +26,17 @@ fn twelve_vehicles_get_through_random_fields() {
     (101..=104).for_each(|seed| gets_through(seed, 12));
 }
 
-/// The only one of the seeds 1 to 400 in which vehicles that foresee each other flying straight on lose separation.
+/// Of the seeds 1 to 1200, thirteen lose separation where vehicles foresee each other flying straight on and commands go
+/// out unseen, and in these three vehicles collide.
 #[test]
 fn commands_looked_at_together_keep_what_each_alone_loses() {
-    let (mut settings, starts) = field(169, 12);
-    let separation_m = |settings: &FlockSettings| fly(settings, &starts, 40).min_separation_m;
-    settings.controller.look_ahead.forecast = ForecastKind::Straight;
-    assert!(separation_m(&settings) > 3.0, "{}", separation_m(&settings));
-    settings.controller.look_ahead.evasion = false;
-    assert!(separation_m(&settings) < 2.0, "{}", separation_m(&settings));
+    for seed in [842, 893, 960] {
+        let (mut settings, starts) = field(seed, 12);
+        settings.controller.look_ahead.forecast = ForecastKind::Straight;
+        let together_m = fly(&settings, &starts, 30).min_separation_m;
+        assert!(together_m > 3.0, "seed {seed}: {together_m} m");
+        settings.controller.look_ahead.evasion = false;
+        let alone_m = fly(&settings, &starts, 30).min_separation_m;
+        assert!(alone_m < 1.0, "seed {seed}: {alone_m} m");
+    }
 }

@@ -2,8 +2,8 @@
 //!
 //! From the present state the flocking law is applied again at every control period, the vehicle flying the exact
 //! discretisation of Eq. 1, while the neighbours follow their forecast. On the way the flight collects the costs of
-//! Eq. 11 and 12, averaged over the horizon, and the metres by which it falls short of the two constraints, sampled
-//! every half control period. With a horizon of one control period this is the letter of the paper.
+//! Eq. 11 and 12, averaged over the horizon, and the metres by which it falls short of the two constraints at the closest
+//! approach within every half control period. With a horizon of one control period this is the letter of the paper.
 
 use crate::command::Commander;
 use crate::flights::{BATCH, Each, Extent, Flights, Step};
@@ -104,12 +104,14 @@ impl LookAhead {
         let expected = &scene.expected;
         let ahead = expected.direction();
         flights.start(&scene.state, pigeons);
+        let mut here = flights.extent();
         for k in 0..=self.steps {
             flights.clear_terms();
-            let here = flights.extent();
+            let before = here;
+            here = flights.extent();
             self.meet_neighbours(scene, k, &here, flights);
             if k > 0 {
-                self.keep_clear(scene, k, &here, flights);
+                self.keep_clear(scene, k, &before, &here, flights);
             }
             if k == self.steps {
                 break;
@@ -143,26 +145,28 @@ impl LookAhead {
         }
     }
 
-    /// Both constraints at the `k`-th control period and half a period before.
+    /// Both constraints over the `k`-th control period, which began in `before` and ended in `here`.
     #[inline(always)]
-    fn keep_clear(&self, scene: &Scene<'_>, k: usize, here: &Extent, flights: &mut Flights) {
+    fn keep_clear(&self, scene: &Scene<'_>, k: usize, before: &Extent, here: &Extent, flights: &mut Flights) {
         let half_way = flights.extent_half_way();
+        let (first, second) = (before.and(&half_way), half_way.and(here));
+        let wanted_m = self.separation_m;
         for passages in scene.neighbours.chunks_exact(1 + 2 * self.steps) {
-            let (before, there) = (&passages[2 * k - 1], &passages[2 * k]);
-            if half_way.is_within(before.x_m, before.y_m, self.separation_m) {
-                flights.keep_off_half_way(before.x_m, before.y_m, self.separation_m);
+            let [start, middle, end] = [2 * k - 2, 2 * k - 1, 2 * k].map(|i| (passages[i].x_m, passages[i].y_m));
+            if first.may_be_met(start, middle, wanted_m) {
+                flights.keep_off_first_half(start, middle, wanted_m);
             }
-            if here.is_within(there.x_m, there.y_m, self.separation_m) {
-                flights.keep_off(there.x_m, there.y_m, self.separation_m);
+            if second.may_be_met(middle, end, wanted_m) {
+                flights.keep_off_second_half(middle, end, wanted_m);
             }
         }
         for obstacle in scene.close_obstacles {
-            let wanted_m = obstacle.radius_m + self.clearance_m;
-            if half_way.is_within(obstacle.x_m, obstacle.y_m, wanted_m) {
-                flights.keep_off_half_way(obstacle.x_m, obstacle.y_m, wanted_m);
+            let (place, wanted_m) = ((obstacle.x_m, obstacle.y_m), obstacle.radius_m + self.clearance_m);
+            if first.may_be_met(place, place, wanted_m) {
+                flights.keep_off_first_half(place, place, wanted_m);
             }
-            if here.is_within(obstacle.x_m, obstacle.y_m, wanted_m) {
-                flights.keep_off(obstacle.x_m, obstacle.y_m, wanted_m);
+            if second.may_be_met(place, place, wanted_m) {
+                flights.keep_off_second_half(place, place, wanted_m);
             }
         }
     }

@@ -50,25 +50,34 @@ fn plain(law: &LawSettings, settings: &LookAheadSettings, scene: &Scene<'_>, wei
         let ((vx_0, vy_0), (vx_1, vy_1)) = (state.velocity_mps(), middle.velocity_mps());
         let (middle_x, middle_y) =
             (state.x_m + (vx_0 + vx_1) * PERIOD_S / 4.0, state.y_m + (vy_0 + vy_1) * PERIOD_S / 4.0);
+        let (from_x, from_y) = (state.x_m, state.y_m);
         state = end;
 
         let (vx, vy) = state.velocity_mps();
+        let own = [Vec2::new(from_x, from_y), Vec2::new(middle_x, middle_y), Vec2::new(state.x_m, state.y_m)];
+        let mut keep_off = |places: [Vec2; 3], wanted_m: f64| {
+            for half in 0..2 {
+                let nearest_m = (places[half] - own[half]).nearest_to(places[half + 1] - own[half + 1]);
+                sum.violation_m += shortfall(nearest_m, wanted_m);
+            }
+        };
         for neighbour in 0..count {
-            let (before, there) = (passage(neighbour, 2 * step + 1), passage(neighbour, 2 * step + 2));
+            let places = [0, 1, 2].map(|half| {
+                let there = passage(neighbour, 2 * step + half);
+                Vec2::new(there.x_m, there.y_m)
+            });
+            keep_off(places, settings.separation_m);
+        }
+        for obstacle in scene.close_obstacles {
+            keep_off([Vec2::new(obstacle.x_m, obstacle.y_m); 3], obstacle.radius_m + settings.clearance_m);
+        }
+        for neighbour in 0..count {
+            let there = passage(neighbour, 2 * step + 2);
             let distance_m = Vec2::new(there.x_m - state.x_m, there.y_m - state.y_m).norm();
-            sum.violation_m += shortfall(distance_m, settings.separation_m);
-            let half_way_m = Vec2::new(before.x_m - middle_x, before.y_m - middle_y).norm();
-            sum.violation_m += shortfall(half_way_m, settings.separation_m);
             if distance_m <= law.communication_distance_m {
                 let gap = law.desired_distance_m - distance_m;
                 let gap = if law.communication_distance_m > law.desired_distance_m { gap.abs() } else { gap };
                 sum.cost_2 += law.influence_factor * (gap + (vx - there.vx_mps).abs() + (vy - there.vy_mps).abs());
-            }
-        }
-        for obstacle in scene.close_obstacles {
-            let wanted_m = obstacle.radius_m + settings.clearance_m;
-            for (x, y) in [(middle_x, middle_y), (state.x_m, state.y_m)] {
-                sum.violation_m += shortfall(Vec2::new(obstacle.x_m - x, obstacle.y_m - y).norm(), wanted_m);
             }
         }
         sum.cost_1 += if scene.detected {
