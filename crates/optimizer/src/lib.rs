@@ -40,14 +40,23 @@
 pub mod archive;
 pub mod crowding;
 pub mod dominance;
+mod flock;
+pub mod indicators;
+mod mpio;
 mod mslpio;
+mod nsga2;
 mod optimizer;
 mod population;
 mod problem;
 pub mod selection;
+mod slpio;
 mod stream;
+pub mod suites;
 
+pub use mpio::{Mpio, MpioSettings};
 pub use mslpio::{Mslpio, MslpioSettings};
+pub use nsga2::{Nsga2, Nsga2Settings};
 pub use optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError};
 pub use problem::{Bounds, Candidates, Evaluations, Problem};
+pub use slpio::{Slpio, SlpioSettings};
 pub use stream::{Stream, stream};

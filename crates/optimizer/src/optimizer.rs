@@ -32,6 +32,12 @@ pub enum OptimizeError {
     /// Nothing to minimise.
     #[error("the problem has no objectives")]
     NoObjectives,
+    /// More than a single-objective optimiser minimises.
+    #[error("the problem has {objectives} objectives, and a single-objective optimiser minimises one")]
+    SeveralObjectives {
+        /// How many it has.
+        objectives: usize,
+    },
     /// An interval is empty, or an end or its length is not finite.
     #[error("dimension {dimension} cannot be searched from {lower} to {upper}")]
     InvalidBounds {
@@ -68,6 +74,14 @@ pub struct SettingsError {
     pub value: f64,
     /// What it may be.
     pub range: &'static str,
+}
+
+/// The first setting that is out of its range, of (name, value, range, whether it is inside).
+pub(crate) fn check_settings(checks: &[(&'static str, f64, &'static str, bool)]) -> Result<(), SettingsError> {
+    match checks.iter().find(|&&(.., valid)| !valid) {
+        Some(&(setting, value, range, _)) => Err(SettingsError { setting, value, range }),
+        None => Ok(()),
+    }
 }
 
 /// Candidates of which none dominates another, in lexicographic order of their costs. They violate the constraints
