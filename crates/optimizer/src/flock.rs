@@ -71,8 +71,7 @@ impl ParetoFlock {
         self.x_center.clear();
         for dimension in 0..self.swarm.dimensions() {
             let coordinate = self.swarm.coordinate(dimension);
-            let sum: f64 = pareto_front.iter().map(|&pigeon| coordinate[pigeon as usize]).sum();
-            self.x_center.push(sum / pareto_front.len() as f64);
+            self.x_center.push(mean(pareto_front.iter().map(|&pigeon| coordinate[pigeon as usize])));
         }
         self.archive.offer(&self.swarm.candidates(), &self.swarm.costs(), pareto_front);
     }
@@ -108,5 +107,29 @@ impl ParetoFlock {
     pub fn front(&mut self) -> Front<'_> {
         self.archive.write(&mut self.front);
         self.front.front()
+    }
+}
+
+/// The mean of some values that are no further apart than bounds may be; NaN of none.
+pub(crate) fn mean(values: impl ExactSizeIterator<Item = f64> + Clone) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    if mean.is_finite() {
+        return mean;
+    }
+    // The sum of the greatest numbers overflows; their differences do not.
+    let origin = values.clone().next().unwrap_or(f64::NAN);
+    origin + values.map(|value| (value - origin) / count).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mean;
+
+    #[test]
+    fn a_mean_does_not_overflow() {
+        assert_eq!(mean([1.0, 2.0, 6.0].into_iter()), 3.0);
+        assert_eq!(mean([1.7e308; 9].into_iter()), 1.7e308);
+        assert!(mean([].into_iter()).is_nan());
     }
 }

@@ -300,7 +300,7 @@ impl Crossover {
     fn spread(&self, room: f64, u: f64) -> f64 {
         let alpha = 2.0 - power(1.0 / (1.0 + 2.0 * room), self.index + 1.0);
         let base = if u <= 1.0 / alpha { u * alpha } else { 1.0 / (2.0 - u * alpha) };
-        libm::pow(base, 1.0 / (self.index + 1.0))
+        root(base, self.index + 1.0)
     }
 }
 
@@ -323,10 +323,10 @@ impl Mutation {
         let exponent = self.index + 1.0;
         let step = if u <= 0.5 {
             let to_lower = power(1.0 - (value - bounds.lower) / range, exponent);
-            libm::pow(2.0 * u + (1.0 - 2.0 * u) * to_lower, 1.0 / exponent) - 1.0
+            root(2.0 * u + (1.0 - 2.0 * u) * to_lower, exponent) - 1.0
         } else {
             let to_upper = power(1.0 - (bounds.upper - value) / range, exponent);
-            1.0 - libm::pow(2.0 * (1.0 - u) + (2.0 * u - 1.0) * to_upper, 1.0 / exponent)
+            1.0 - root(2.0 * (1.0 - u) + (2.0 * u - 1.0) * to_upper, exponent)
         };
         bounds.clamp(value + step * range)
     }
@@ -348,6 +348,11 @@ fn power(base: f64, exponent: f64) -> f64 {
         left /= 2;
     }
     power
+}
+
+/// A root of a number that is not negative, by logarithm: near enough for a draw, and faster than `libm::pow`.
+fn root(radicand: f64, degree: f64) -> f64 {
+    libm::exp(libm::log(radicand) / degree)
 }
 
 #[cfg(test)]
@@ -385,6 +390,16 @@ mod tests {
         // By hand: u = 0.25, d1 = 1, so d = 0.5^(1/21) - 1.
         assert!((mutation.mutate(1.0, UNIT, 0.25) - 0.967_532_4).abs() < 1e-6);
         assert_eq!(mutation.mutate(2.0, Bounds::new(2.0, 2.0), 0.1), 2.0);
+    }
+
+    #[test]
+    fn a_root_is_what_libm_says() {
+        for radicand in [0.0, 1e-9, 0.2, 1.0, 7.0, 4e9] {
+            for degree in [1.0, 16.0, 21.0, 1001.0] {
+                let (ours, reference) = (root(radicand, degree), libm::pow(radicand, 1.0 / degree));
+                assert!((ours - reference).abs() <= 1e-14 * reference, "{radicand}^(1/{degree})");
+            }
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use rand::{Rng, RngExt};
 
-use crate::flock::ParetoFlock;
+use crate::flock::{ParetoFlock, mean};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
@@ -204,14 +204,9 @@ impl Slpio {
     /// Eq. 15, the landmark operator: X_center is the mean of all pigeons, the worst leave, and the others approach it,
     /// X_i = X_i + rand c2 (X_center - X_i).
     fn approach_center(&mut self, bounds: &[Bounds], rng: &mut Stream) {
-        let center = |coordinate: &[f64]| {
-            // A mean of differences: a sum of the greatest coordinates might overflow.
-            let origin = coordinate[0];
-            origin + coordinate.iter().map(|x| x - origin).sum::<f64>() / coordinate.len() as f64
-        };
         self.flock.x_center.clear();
         for dimension in 0..bounds.len() {
-            self.flock.x_center.push(center(self.flock.swarm.coordinate(dimension)));
+            self.flock.x_center.push(mean(self.flock.swarm.coordinate(dimension).iter().copied()));
         }
         self.flock.remove_worst(self.settings.removed_per_iteration);
         let c2 = self.settings.social_influence_factor();
