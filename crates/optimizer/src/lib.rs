@@ -1,5 +1,8 @@
 //! Multi-objective pigeon-inspired optimisation of problems that are evaluated a generation at a time.
 //!
+//! [`Mslpio`] is the paper's; [`Mpio`] and [`Nsga2`] are what it is compared to, and [`Slpio`] is its single-objective
+//! ancestor. By default each spends at most 651 evaluations. [`suites`] and [`indicators`] say how good they are.
+//!
 //! A [`Problem`] has any number of dimensions and objectives, and judges a whole generation in one call. An [`Optimizer`]
 //! minimises it and returns the [`Front`] of candidates that none other dominates; [`selection`] picks one of them.
 //! Everything is deterministic: the same problem, settings and [`Stream`] give the same bits on every platform.

@@ -19,7 +19,8 @@ pub trait Optimizer: Send {
     /// enters the front.
     ///
     /// # Errors
-    /// The problem or the seeds make no sense, or every candidate of the first generation is refused.
+    /// The problem or the seeds make no sense, the problem has more objectives than the optimiser minimises, or every
+    /// candidate of the first generation is refused.
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError>;
 }
 
