@@ -30,7 +30,7 @@ pub struct MslpioSettings {
     /// and towards 1 it finds less of a front inside them.
     pub velocity_limit: f64,
     /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it, and
-    /// neither does the default, 700, which is more than the 651 candidates of a solve. See [`Archive`] for who leaves.
+    /// neither does the default, 700, which is more than the 651 candidates of a solve. See [`crate::archive::Archive`] for who leaves.
     pub archive_capacity: usize,
 }
 
