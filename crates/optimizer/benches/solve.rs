@@ -3,7 +3,11 @@
 use divan::Bencher;
 use optimizer::crowding::Crowding;
 use optimizer::dominance::{Costs, NonDominatedSort};
-use optimizer::{Bounds, Candidates, Evaluations, Mslpio, MslpioSettings, Optimizer, Problem, stream};
+use optimizer::suites::Suite;
+use optimizer::{
+    Bounds, Candidates, Evaluations, Mpio, MpioSettings, Mslpio, MslpioSettings, Nsga2, Nsga2Settings, Optimizer,
+    Problem, stream,
+};
 use rand::Rng;
 
 fn main() {
@@ -77,6 +81,23 @@ fn solve_two_points(bencher: Bencher, archive_capacity: usize) {
 #[divan::bench(args = [(100, 2), (700, 2), (100, 3), (700, 3)])]
 fn solve_all_equal(bencher: Bencher, (archive_capacity, objectives): (usize, usize)) {
     bench_solve(bencher, &mut AllEqual { bounds: CUBE, objectives }, archive_capacity);
+}
+
+/// ZDT1 in three dimensions: NSGA-II with 52 x 20 evaluations, the others with their 651.
+#[divan::bench(args = ["NSGA-II", "MPIO", "MSLPIO"])]
+fn solve_zdt1(bencher: Bencher, name: &str) {
+    let settings = Nsga2Settings { population: 52, generations: 19, ..Nsga2Settings::default() };
+    let optimizer: Option<Box<dyn Optimizer>> = match name {
+        "NSGA-II" => Nsga2::new(settings).ok().map(|optimizer| Box::new(optimizer) as _),
+        "MPIO" => Mpio::new(MpioSettings::default()).ok().map(|optimizer| Box::new(optimizer) as _),
+        _ => Mslpio::new(MslpioSettings::default()).ok().map(|optimizer| Box::new(optimizer) as _),
+    };
+    let Some(mut optimizer) = optimizer else { return };
+    let (mut problem, mut tick) = (Suite::Zdt1.problem(3, 2), 0);
+    bencher.bench_local(|| {
+        tick += 1;
+        optimizer.minimise(&mut problem, &mut stream(1, 0, tick)).map(|front| front.len())
+    });
 }
 
 #[divan::bench(args = [(52, 2), (104, 2), (52, 3), (104, 3)])]

@@ -239,6 +239,12 @@ impl NonDominatedSort {
         &self.members[start as usize..self.ends[rank] as usize]
     }
 
+    /// Everyone in a front before front `rank`, best first. Panics if there is no such front, as an index does.
+    pub fn before(&self, rank: usize) -> &[u32] {
+        let end = if rank == 0 { 0 } else { self.ends[rank - 1] };
+        &self.members[..end as usize]
+    }
+
     /// The rank of every candidate, counted from 0: one more than the worst rank among those that dominate it.
     pub fn ranks(&self) -> &[u32] {
         &self.ranks

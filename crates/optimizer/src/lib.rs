@@ -1,5 +1,8 @@
 //! Multi-objective pigeon-inspired optimisation of problems that are evaluated a generation at a time.
 //!
+//! [`Mslpio`] is the paper's; [`Mpio`] and [`Nsga2`] are what it is compared to, and [`Slpio`] is its single-objective
+//! ancestor. By default each spends at most 651 evaluations. [`suites`] and [`indicators`] say how good they are.
+//!
 //! A [`Problem`] has any number of dimensions and objectives, and judges a whole generation in one call. An [`Optimizer`]
 //! minimises it and returns the [`Front`] of candidates that none other dominates; [`selection`] picks one of them.
 //! Everything is deterministic: the same problem, settings and [`Stream`] give the same bits on every platform.
@@ -40,14 +43,23 @@
 pub mod archive;
 pub mod crowding;
 pub mod dominance;
+mod flock;
+pub mod indicators;
+mod mpio;
 mod mslpio;
+mod nsga2;
 mod optimizer;
 mod population;
 mod problem;
 pub mod selection;
+mod slpio;
 mod stream;
+pub mod suites;
 
+pub use mpio::{Mpio, MpioSettings};
 pub use mslpio::{Mslpio, MslpioSettings};
+pub use nsga2::{Nsga2, Nsga2Settings};
 pub use optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError};
 pub use problem::{Bounds, Candidates, Evaluations, Problem};
+pub use slpio::{Slpio, SlpioSettings};
 pub use stream::{Stream, stream};

@@ -1,12 +1,10 @@
 //! Multi-objective social learning pigeon-inspired optimisation: Algorithm 1, Eq. 13 and 16-18 of Ruan and Duan.
 
-use rand::{Rng, RngExt};
+use rand::RngExt;
 
-use crate::archive::Archive;
-use crate::crowding::Crowding;
-use crate::dominance::NonDominatedSort;
-use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError};
-use crate::population::{Population, remove_rows, uniform};
+use crate::flock::ParetoFlock;
+use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
+use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
 use crate::stream::Stream;
 
@@ -32,7 +30,7 @@ pub struct MslpioSettings {
     /// and towards 1 it finds less of a front inside them.
     pub velocity_limit: f64,
     /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it, and
-    /// neither does the default, 700, which is more than the 651 candidates of a solve. See [`Archive`] for who leaves.
+    /// neither does the default, 700, which is more than the 651 candidates of a solve. See [`crate::archive::Archive`] for who leaves.
     pub archive_capacity: usize,
 }
 
@@ -55,7 +53,7 @@ impl MslpioSettings {
     /// Whether every setting is in its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let removed = self.iterations.saturating_mul(self.removed_per_iteration);
-        let checks = [
+        check_settings(&[
             (
                 "base_population",
                 self.base_population as f64,
@@ -99,11 +97,7 @@ impl MslpioSettings {
                 "from 1 to 1000000",
                 (1..=1_000_000).contains(&self.archive_capacity),
             ),
-        ];
-        match checks.into_iter().find(|&(.., valid)| !valid) {
-            Some((setting, value, range, _)) => Err(SettingsError { setting, value, range }),
-            None => Ok(()),
-        }
+        ])
     }
 
     /// N of Eq. 13, the pigeons of the first generation.
@@ -134,39 +128,16 @@ impl MslpioSettings {
 #[derive(Clone, Debug)]
 pub struct Mslpio {
     settings: MslpioSettings,
-    seeds: Vec<f64>,
-    swarm: Population,
-    velocities: Vec<f64>,
-    sort: NonDominatedSort,
-    crowding: Crowding,
-    archive: Archive,
-    x_center: Vec<f64>,
+    flock: ParetoFlock,
     x_model: Vec<f64>,
     draws: Vec<u32>,
-    by_crowding: Vec<(f64, u32)>,
-    leaving: Vec<u32>,
-    front: FrontBuffer,
 }
 
 impl Mslpio {
     /// An optimiser with these settings.
     pub fn new(settings: MslpioSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
-        Ok(Self {
-            settings,
-            seeds: Vec::new(),
-            swarm: Population::default(),
-            velocities: Vec::new(),
-            sort: NonDominatedSort::default(),
-            crowding: Crowding::default(),
-            archive: Archive::default(),
-            x_center: Vec::new(),
-            x_model: Vec::new(),
-            draws: Vec::new(),
-            by_crowding: Vec::new(),
-            leaving: Vec::new(),
-            front: FrontBuffer::default(),
-        })
+        Ok(Self { settings, flock: ParetoFlock::default(), x_model: Vec::new(), draws: Vec::new() })
     }
 
     /// Its settings.
@@ -174,75 +145,18 @@ impl Mslpio {
         &self.settings
     }
 
-    /// Algorithm 1, "Pigeon initialization": uniform positions within the bounds and velocities within their limits.
+    /// Algorithm 1, "Pigeon initialization".
     fn initialise(&mut self, problem: &dyn Problem, rng: &mut Stream) -> Result<(), OptimizeError> {
         let pigeons = self.settings.population();
-        let started = self.swarm.start(pigeons, problem, &self.seeds, rng);
-        self.seeds.clear();
-        started?;
-        self.velocities.clear();
-        for bounds in problem.bounds() {
-            let limit = self.settings.velocity_limit * bounds.range();
-            self.velocities.extend((0..pigeons).map(|_| limit * (2.0 * uniform(rng.next_u32()) - 1.0)));
-        }
-        let (dimensions, objectives) = (self.swarm.dimensions(), self.swarm.objectives());
-        self.sort.reserve(pigeons);
-        self.crowding.reserve(pigeons);
-        self.by_crowding.clear();
-        self.by_crowding.reserve(pigeons);
-        self.leaving.clear();
-        self.leaving.reserve(pigeons);
+        self.flock.start(pigeons, self.settings.velocity_limit, self.settings.archive_capacity, problem, rng)?;
         self.draws.clear();
-        self.draws.reserve(pigeons * (1 + 2 * dimensions));
-        self.archive.clear(dimensions, objectives, self.settings.archive_capacity, pigeons);
-        self.front.reserve(self.archive.capacity(), dimensions, objectives);
+        self.draws.reserve(pigeons * (1 + 2 * problem.bounds().len()));
         Ok(())
-    }
-
-    /// Lines 3 to 6: costs, Pareto sorting, X_center of Eq. 15 over the Pareto front, and the Pareto front into A.
-    fn judge(&mut self, problem: &mut dyn Problem) {
-        self.swarm.evaluate(problem);
-        self.sort.sort(&self.swarm.costs());
-        let pareto_front = self.sort.front(0);
-        self.x_center.clear();
-        for dimension in 0..self.swarm.dimensions() {
-            let coordinate = self.swarm.coordinate(dimension);
-            let sum: f64 = pareto_front.iter().map(|&pigeon| coordinate[pigeon as usize]).sum();
-            self.x_center.push(sum / pareto_front.len() as f64);
-        }
-        self.archive.offer(&self.swarm.candidates(), &self.swarm.costs(), pareto_front);
-    }
-
-    /// Eq. 18, first line: the worst pigeons leave, by rank, then crowding (Eq. 17), then the highest index. Only a front of
-    /// which some leave and some stay needs its crowding known.
-    fn remove_worst(&mut self) {
-        let costs = self.swarm.costs();
-        self.leaving.clear();
-        for rank in (0..self.sort.fronts()).rev() {
-            let front = self.sort.front(rank);
-            let wanted = self.settings.removed_per_iteration - self.leaving.len();
-            if front.len() <= wanted {
-                self.leaving.extend_from_slice(front);
-                continue;
-            }
-            if wanted > 0 {
-                let cost = |i: usize, k| costs.cost(front[i] as usize, k);
-                let distances = self.crowding.distances(front.len(), costs.objectives(), cost);
-                self.by_crowding.clear();
-                self.by_crowding.extend(distances.iter().copied().zip(front.iter().copied()));
-                self.by_crowding.select_nth_unstable_by(wanted - 1, |a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-                self.leaving.extend(self.by_crowding[..wanted].iter().map(|&(_, pigeon)| pigeon));
-            }
-            break;
-        }
-        self.leaving.sort_unstable_by(|a, b| b.cmp(a));
-        remove_rows(&mut self.velocities, self.swarm.len(), &self.leaving);
-        self.swarm.remove(&self.leaving);
     }
 
     /// Eq. 18, second and third line, clamped to the limits (Step 2).
     fn fly(&mut self, nc: usize, bounds: &[Bounds], rng: &mut Stream) {
-        let pigeons = self.swarm.len();
+        let pigeons = self.flock.swarm.len();
         let decay = libm::exp(-self.settings.map_and_compass_factor * nc as f64);
         let (c1, c2) = (self.settings.learning_factor(), self.settings.social_influence_factor());
         // All draws of an iteration at once: a model for each pigeon, then for each dimension both factors of each pigeon.
@@ -251,18 +165,18 @@ impl Mslpio {
         let (models, factors) = self.draws.split_at(pigeons);
         self.x_model.resize(pigeons * bounds.len(), 0.0);
         for (pigeon, &model) in models.iter().enumerate() {
-            let member = self.archive.member(pick(self.archive.len(), model));
+            let member = self.flock.archive.member(pick(self.flock.archive.len(), model));
             for (dimension, &coordinate) in member.iter().enumerate() {
                 self.x_model[dimension * pigeons + pigeon] = coordinate;
             }
         }
         for (dimension, (bounds, factors)) in bounds.iter().zip(factors.chunks_exact(2 * pigeons)).enumerate() {
             let limit = self.settings.velocity_limit * bounds.range();
-            let x_center = self.x_center[dimension];
+            let x_center = self.flock.x_center[dimension];
             let (learning, social) = factors.split_at(pigeons);
-            let velocities = &mut self.velocities[dimension * pigeons..][..pigeons];
+            let velocities = &mut self.flock.velocities[dimension * pigeons..][..pigeons];
             let x_model = &self.x_model[dimension * pigeons..][..pigeons];
-            let pigeons = self.swarm.coordinate_mut(dimension).iter_mut().zip(velocities);
+            let pigeons = self.flock.swarm.coordinate_mut(dimension).iter_mut().zip(velocities);
             for (((x, v), x_model), (&learning, &social)) in pigeons.zip(x_model).zip(learning.iter().zip(social)) {
                 *v = *v * decay + uniform(learning) * c1 * (x_model - *x) + uniform(social) * c2 * (x_center - *x);
                 *v = clamp(*v, -limit, limit);
@@ -278,29 +192,22 @@ impl Optimizer for Mslpio {
     }
 
     fn seed_candidates(&mut self, positions: &[f64]) {
-        self.seeds.clear();
-        self.seeds.extend_from_slice(positions);
+        self.flock.seed(positions);
     }
 
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
         self.initialise(problem, rng)?;
-        self.judge(problem);
-        if self.archive.is_empty() {
+        self.flock.judge(problem);
+        if self.flock.archive.is_empty() {
             return Err(OptimizeError::NoFiniteCandidate);
         }
         for nc in 1..=self.settings.iterations {
-            self.remove_worst();
+            self.flock.remove_worst(self.settings.removed_per_iteration);
             self.fly(nc, problem.bounds(), rng);
-            self.judge(problem);
+            self.flock.judge(problem);
         }
-        self.archive.write(&mut self.front);
-        Ok(self.front.front())
+        Ok(self.flock.front())
     }
-}
-
-/// One of `count` by 32 random bits; uneven by less than `count` in 2^32.
-fn pick(count: usize, bits: u32) -> usize {
-    ((u64::from(bits) * count as u64) >> 32) as usize
 }
 
 #[cfg(test)]
@@ -332,9 +239,9 @@ mod tests {
         let settings = MslpioSettings { social_coefficient: 8.0, ..MslpioSettings::default() };
         let mut mslpio = Mslpio::new(settings).expect("in range");
         mslpio.initialise(&problem, &mut stream(1, 2, 3)).expect("solvable");
-        mslpio.judge(&mut problem);
-        mslpio.remove_worst();
-        let pigeons = mslpio.swarm.len();
+        mslpio.flock.judge(&mut problem);
+        mslpio.flock.remove_worst(2);
+        let pigeons = mslpio.flock.swarm.len();
         assert_eq!(pigeons, 49);
 
         let before = mslpio.clone();
@@ -344,17 +251,17 @@ mod tests {
 
         let rand = |draw: u32| f64::from(draw) / 4_294_967_296.0;
         for i in 0..pigeons {
-            let model = before.archive.member((rand(draws[i]) * before.archive.len() as f64) as usize);
+            let model = before.flock.archive.member((rand(draws[i]) * before.flock.archive.len() as f64) as usize);
             for (d, bounds) in problem.bounds().iter().enumerate() {
-                let (x, v) = (before.swarm.coordinate(d)[i], before.velocities[d * pigeons + i]);
+                let (x, v) = (before.flock.swarm.coordinate(d)[i], before.flock.velocities[d * pigeons + i]);
                 let [r1, r2] = [0, 1].map(|term| rand(draws[pigeons * (1 + 2 * d + term) + i]));
                 let (c1, c2) = (1.0 - libm::log(5.0 / 50.0), 8.0 * 5.0 / 50.0);
                 let limit = 0.5 * (bounds.upper - bounds.lower);
-                let pull = r1 * c1 * (model[d] - x) + r2 * c2 * (before.x_center[d] - x);
+                let pull = r1 * c1 * (model[d] - x) + r2 * c2 * (before.flock.x_center[d] - x);
                 let v = (v * libm::exp(-0.3 * 3.0) + pull).clamp(-limit, limit);
                 let x = (x + v).clamp(bounds.lower, bounds.upper);
-                assert!((mslpio.velocities[d * pigeons + i] - v).abs() < 1e-12);
-                assert!((mslpio.swarm.coordinate(d)[i] - x).abs() < 1e-12);
+                assert!((mslpio.flock.velocities[d * pigeons + i] - v).abs() < 1e-12);
+                assert!((mslpio.flock.swarm.coordinate(d)[i] - x).abs() < 1e-12);
             }
         }
     }
@@ -364,17 +271,17 @@ mod tests {
         let mut problem = Plane([Bounds::new(-1.0, 1.0), Bounds::new(0.0, 10.0)]);
         let mut mslpio = Mslpio::new(MslpioSettings::default()).expect("in range");
         mslpio.initialise(&problem, &mut stream(4, 5, 6)).expect("solvable");
-        mslpio.judge(&mut problem);
-        let front: Vec<usize> = (0..51).filter(|&i| mslpio.sort.ranks()[i] == 0).collect();
+        mslpio.flock.judge(&mut problem);
+        let front: Vec<usize> = (0..51).filter(|&i| mslpio.flock.sort.ranks()[i] == 0).collect();
         for d in 0..2 {
-            let mean = front.iter().map(|&i| mslpio.swarm.coordinate(d)[i]).sum::<f64>() / front.len() as f64;
-            assert!((mslpio.x_center[d] - mean).abs() < 1e-12);
+            let mean = front.iter().map(|&i| mslpio.flock.swarm.coordinate(d)[i]).sum::<f64>() / front.len() as f64;
+            assert!((mslpio.flock.x_center[d] - mean).abs() < 1e-12);
         }
-        let ranks = mslpio.sort.ranks().to_vec();
+        let ranks = mslpio.flock.sort.ranks().to_vec();
         let mut sorted = ranks.clone();
         sorted.sort_unstable();
-        mslpio.remove_worst();
-        assert_eq!((mslpio.swarm.len(), mslpio.leaving.len()), (49, 2));
-        assert!(mslpio.leaving.iter().all(|&pigeon| ranks[pigeon as usize] >= sorted[49]));
+        mslpio.flock.remove_worst(2);
+        assert_eq!((mslpio.flock.swarm.len(), mslpio.flock.leaving.len()), (49, 2));
+        assert!(mslpio.flock.leaving.iter().all(|&pigeon| ranks[pigeon as usize] >= sorted[49]));
     }
 }

@@ -19,7 +19,8 @@ pub trait Optimizer: Send {
     /// enters the front.
     ///
     /// # Errors
-    /// The problem or the seeds make no sense, or every candidate of the first generation is refused.
+    /// The problem or the seeds make no sense, the problem has more objectives than the optimiser minimises, or every
+    /// candidate of the first generation is refused.
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError>;
 }
 
@@ -32,6 +33,12 @@ pub enum OptimizeError {
     /// Nothing to minimise.
     #[error("the problem has no objectives")]
     NoObjectives,
+    /// More than a single-objective optimiser minimises.
+    #[error("the problem has {objectives} objectives, and a single-objective optimiser minimises one")]
+    SeveralObjectives {
+        /// How many it has.
+        objectives: usize,
+    },
     /// An interval is empty, or an end or its length is not finite.
     #[error("dimension {dimension} cannot be searched from {lower} to {upper}")]
     InvalidBounds {
@@ -68,6 +75,14 @@ pub struct SettingsError {
     pub value: f64,
     /// What it may be.
     pub range: &'static str,
+}
+
+/// The first setting that is out of its range, of (name, value, range, whether it is inside).
+pub(crate) fn check_settings(checks: &[(&'static str, f64, &'static str, bool)]) -> Result<(), SettingsError> {
+    match checks.iter().find(|&&(.., valid)| !valid) {
+        Some(&(setting, value, range, _)) => Err(SettingsError { setting, value, range }),
+        None => Ok(()),
+    }
 }
 
 /// Candidates of which none dominates another, in lexicographic order of their costs. They violate the constraints

@@ -66,6 +66,54 @@ impl Population {
         }
     }
 
+    /// Makes room for `len` candidates, so that holding up to so many allocates nothing.
+    pub fn reserve(&mut self, len: usize, dimensions: usize, objectives: usize) {
+        self.reset(0, dimensions, objectives);
+        self.positions.reserve(len * dimensions);
+        self.costs.reserve(len * objectives);
+        self.violation.reserve(len);
+    }
+
+    /// Becomes `len` candidates whose positions are 0 until someone writes them, and whose costs are void.
+    pub fn reset(&mut self, len: usize, dimensions: usize, objectives: usize) {
+        (self.len, self.dimensions, self.objectives) = (len, dimensions, objectives);
+        self.costs.clear();
+        self.violation.clear();
+        self.positions.clear();
+        self.positions.resize(len * dimensions, 0.0);
+    }
+
+    /// Becomes all of one evaluated population and then all of another, costs included.
+    pub fn join(&mut self, first: &Self, second: &Self) {
+        self.reset(0, first.dimensions, first.objectives);
+        self.len = first.len + second.len;
+        let join = |to: &mut Vec<f64>, first: &[f64], second: &[f64]| {
+            to.extend_from_slice(first);
+            to.extend_from_slice(second);
+        };
+        for dimension in 0..self.dimensions {
+            join(&mut self.positions, first.coordinate(dimension), second.coordinate(dimension));
+        }
+        for objective in 0..self.objectives {
+            join(&mut self.costs, first.costs().objective(objective), second.costs().objective(objective));
+        }
+        join(&mut self.violation, &first.violation, &second.violation);
+    }
+
+    /// Becomes some candidates of an evaluated population, costs included.
+    pub fn select(&mut self, from: &Self, chosen: &[u32]) {
+        self.reset(0, from.dimensions, from.objectives);
+        self.len = chosen.len();
+        let select = |to: &mut Vec<f64>, column: &[f64]| to.extend(chosen.iter().map(|&row| column[row as usize]));
+        for dimension in 0..self.dimensions {
+            select(&mut self.positions, from.coordinate(dimension));
+        }
+        for objective in 0..self.objectives {
+            select(&mut self.costs, from.costs().objective(objective));
+        }
+        select(&mut self.violation, &from.violation);
+    }
+
     /// Drops candidates, given in descending order. Costs are void until the next evaluation.
     pub fn remove(&mut self, dropped: &[u32]) {
         remove_rows(&mut self.positions, self.len, dropped);
@@ -104,6 +152,11 @@ impl Population {
 /// 32 random bits as a number in [0, 1). A step of 2^-32 is fine enough, and a draw is half a 64-bit one.
 pub(crate) fn uniform(bits: u32) -> f64 {
     f64::from(bits) * (1.0 / 4_294_967_296.0)
+}
+
+/// One of `count` by 32 random bits; uneven by less than `count` in 2^32.
+pub(crate) fn pick(count: usize, bits: u32) -> usize {
+    ((u64::from(bits) * count as u64) >> 32) as usize
 }
 
 /// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's place.

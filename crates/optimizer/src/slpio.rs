@@ -1,0 +1,340 @@
+//! Social learning pigeon-inspired optimisation of one objective, in two stages: Eq. 13-15 of Ruan and Duan.
+
+use rand::{Rng, RngExt};
+
+use crate::flock::{ParetoFlock, mean};
+use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
+use crate::population::{pick, uniform};
+use crate::problem::{Bounds, Problem, clamp};
+use crate::stream::Stream;
+
+/// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not say how long each stage is: the
+/// default is three quarters and one quarter of 12 iterations, and 651 evaluations like the other pigeon-inspired optimisers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlpioSettings {
+    /// M of Eq. 13, from 1 to 1000000. The paper: 50.
+    pub base_population: usize,
+    /// D of Eq. 13, c1 and c2, from 1 to `base_population`; a setting, as in [`crate::MslpioSettings`]. The paper: 5.
+    pub dimension_setting: usize,
+    /// The social coefficient a of c2, from 0 to 1000. The paper: 0.5.
+    pub social_coefficient: f64,
+    /// The map and compass factor R, from 0 to 1: how fast velocities decay. The paper: 0.3.
+    pub map_and_compass_factor: f64,
+    /// Iterations of the map and compass stage (Eq. 14), at most 1000000.
+    pub map_and_compass_iterations: usize,
+    /// Iterations of the landmark stage (Eq. 15), at most 1000000.
+    pub landmark_iterations: usize,
+    /// N_removed: pigeons that leave in each iteration of the landmark stage, the worst. At least one must be left for the
+    /// last. The paper: 2.
+    pub removed_per_iteration: usize,
+    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0 to 1.
+    pub velocity_limit: f64,
+}
+
+impl Default for SlpioSettings {
+    fn default() -> Self {
+        Self {
+            base_population: 50,
+            dimension_setting: 5,
+            social_coefficient: 0.5,
+            map_and_compass_factor: 0.3,
+            map_and_compass_iterations: 9,
+            landmark_iterations: 3,
+            removed_per_iteration: 2,
+            velocity_limit: 0.5,
+        }
+    }
+}
+
+impl SlpioSettings {
+    /// Whether every setting is in its range.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let iterations = |count: usize| (count as f64, "at most 1000000", count <= 1_000_000);
+        let (map, landmark) = (iterations(self.map_and_compass_iterations), iterations(self.landmark_iterations));
+        check_settings(&[
+            (
+                "base_population",
+                self.base_population as f64,
+                "from 1 to 1000000",
+                (1..=1_000_000).contains(&self.base_population),
+            ),
+            (
+                "dimension_setting",
+                self.dimension_setting as f64,
+                "from 1 to base_population",
+                (1..=self.base_population).contains(&self.dimension_setting),
+            ),
+            (
+                "social_coefficient",
+                self.social_coefficient,
+                "from 0 to 1000",
+                (0.0..=1000.0).contains(&self.social_coefficient),
+            ),
+            (
+                "map_and_compass_factor",
+                self.map_and_compass_factor,
+                "from 0 to 1",
+                (0.0..=1.0).contains(&self.map_and_compass_factor),
+            ),
+            ("map_and_compass_iterations", map.0, map.1, map.2),
+            ("landmark_iterations", landmark.0, landmark.1, landmark.2),
+            (
+                "removed_per_iteration",
+                self.removed_per_iteration as f64,
+                "such that a pigeon is left for the last iteration",
+                self.landmark_iterations.saturating_mul(self.removed_per_iteration) < self.population(),
+            ),
+            (
+                "velocity_limit",
+                self.velocity_limit,
+                "above 0 and at most 1",
+                self.velocity_limit > 0.0 && self.velocity_limit <= 1.0,
+            ),
+        ])
+    }
+
+    /// N of Eq. 13, the pigeons until the landmark stage: M + floor(D/5).
+    pub fn population(&self) -> usize {
+        self.base_population.saturating_add(self.dimension_setting / 5)
+    }
+
+    /// How many candidates a solve evaluates.
+    pub fn evaluations(&self) -> usize {
+        let map_and_compass = self.population().saturating_mul(self.map_and_compass_iterations.saturating_add(1));
+        let left = |nc: usize| self.population().saturating_sub(nc.saturating_mul(self.removed_per_iteration));
+        (1..=self.landmark_iterations).fold(map_and_compass, |evaluations, nc| evaluations.saturating_add(left(nc)))
+    }
+
+    /// c1 of Eq. 14, how strongly a pigeon learns from its demonstrator: 1 - ln(D/M).
+    pub fn learning_factor(&self) -> f64 {
+        1.0 - libm::log(self.dimension_setting as f64 / self.base_population as f64)
+    }
+
+    /// c2 of Eq. 15, how strongly a pigeon is drawn to the centre: a D/M.
+    pub fn social_influence_factor(&self) -> f64 {
+        self.social_coefficient * (self.dimension_setting as f64 / self.base_population as f64)
+    }
+}
+
+/// The optimiser. It refuses a problem of several objectives; its front has one member, the best candidate of all it judged.
+///
+/// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now (by
+/// violation, then cost), so the best pigeons, who have none, stay where they are, as in the SL-PSO of Cheng and Jin; `rand`
+/// is drawn for each pigeon and dimension uniformly from [0, 1); and the N_removed who leave are the worst.
+#[derive(Clone, Debug)]
+pub struct Slpio {
+    settings: SlpioSettings,
+    /// Of one objective, ranks are places in the order of costs and the archive is the best candidate so far.
+    flock: ParetoFlock,
+    demonstrators: Vec<u32>,
+    x_model: Vec<f64>,
+    draws: Vec<u32>,
+}
+
+/// In place of a demonstrator, of a pigeon to whom nobody is superior.
+const NOBODY: u32 = u32::MAX;
+
+impl Slpio {
+    /// An optimiser with these settings.
+    pub fn new(settings: SlpioSettings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self {
+            settings,
+            flock: ParetoFlock::default(),
+            demonstrators: Vec::new(),
+            x_model: Vec::new(),
+            draws: Vec::new(),
+        })
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> &SlpioSettings {
+        &self.settings
+    }
+
+    fn initialise(&mut self, problem: &dyn Problem, rng: &mut Stream) -> Result<(), OptimizeError> {
+        let pigeons = self.settings.population();
+        self.flock.start(pigeons, self.settings.velocity_limit, 1, problem, rng)?;
+        for buffer in [&mut self.demonstrators, &mut self.draws] {
+            buffer.clear();
+            buffer.reserve(pigeons);
+        }
+        self.x_model.clear();
+        self.x_model.reserve(pigeons);
+        if problem.objectives() > 1 {
+            return Err(OptimizeError::SeveralObjectives { objectives: problem.objectives() });
+        }
+        Ok(())
+    }
+
+    /// Fig. 1: of each pigeon, one that is superior to it.
+    fn choose_demonstrators(&mut self, rng: &mut Stream) {
+        self.demonstrators.clear();
+        for &rank in self.flock.sort.ranks() {
+            let superior = self.flock.sort.before(rank as usize);
+            let bits = rng.next_u32();
+            self.demonstrators.push(superior.get(pick(superior.len(), bits)).copied().unwrap_or(NOBODY));
+        }
+    }
+
+    /// Eq. 14, the map and compass operator, clamped to the limits:
+    /// V_i = V_i e^(-R nc) + rand c1 (X_model - X_i), X_i = X_i + V_i.
+    fn learn(&mut self, nc: usize, bounds: &[Bounds], rng: &mut Stream) {
+        let pigeons = self.flock.swarm.len();
+        let decay = libm::exp(-self.settings.map_and_compass_factor * nc as f64);
+        let c1 = self.settings.learning_factor();
+        self.choose_demonstrators(rng);
+        for (dimension, bounds) in bounds.iter().enumerate() {
+            self.draw(pigeons, rng);
+            let limit = self.settings.velocity_limit * bounds.range();
+            let coordinate = self.flock.swarm.coordinate_mut(dimension);
+            // Demonstrators fly too: what a pigeon learns is where its own was before.
+            self.x_model.clear();
+            self.x_model.extend_from_slice(coordinate);
+            let velocities = &mut self.flock.velocities[dimension * pigeons..][..pigeons];
+            let pigeons = coordinate.iter_mut().zip(velocities).zip(&self.demonstrators).zip(&self.draws);
+            for (((x, v), &demonstrator), &draw) in pigeons {
+                let Some(x_model) = self.x_model.get(demonstrator as usize) else { continue };
+                *v = clamp(*v * decay + uniform(draw) * c1 * (x_model - *x), -limit, limit);
+                *x = bounds.clamp(*x + *v);
+            }
+        }
+    }
+
+    /// Eq. 15, the landmark operator: X_center is the mean of all pigeons, the worst leave, and the others approach it,
+    /// X_i = X_i + rand c2 (X_center - X_i).
+    fn approach_center(&mut self, bounds: &[Bounds], rng: &mut Stream) {
+        self.flock.x_center.clear();
+        for dimension in 0..bounds.len() {
+            self.flock.x_center.push(mean(self.flock.swarm.coordinate(dimension).iter().copied()));
+        }
+        self.flock.remove_worst(self.settings.removed_per_iteration);
+        let c2 = self.settings.social_influence_factor();
+        for (dimension, bounds) in bounds.iter().enumerate() {
+            self.draw(self.flock.swarm.len(), rng);
+            let x_center = self.flock.x_center[dimension];
+            for (x, &draw) in self.flock.swarm.coordinate_mut(dimension).iter_mut().zip(&self.draws) {
+                *x = bounds.clamp(*x + uniform(draw) * c2 * (x_center - *x));
+            }
+        }
+    }
+
+    fn draw(&mut self, count: usize, rng: &mut Stream) {
+        self.draws.resize(count, 0);
+        rng.fill(&mut self.draws[..]);
+    }
+}
+
+impl Optimizer for Slpio {
+    fn name(&self) -> &'static str {
+        "SL-PIO"
+    }
+
+    fn seed_candidates(&mut self, positions: &[f64]) {
+        self.flock.seed(positions);
+    }
+
+    fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
+        self.initialise(problem, rng)?;
+        self.flock.judge(problem);
+        if self.flock.archive.is_empty() {
+            return Err(OptimizeError::NoFiniteCandidate);
+        }
+        for nc in 1..=self.settings.map_and_compass_iterations {
+            self.learn(nc, problem.bounds(), rng);
+            self.flock.judge(problem);
+        }
+        for _ in 0..self.settings.landmark_iterations {
+            self.approach_center(problem.bounds(), rng);
+            self.flock.judge(problem);
+        }
+        Ok(self.flock.front())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Candidates, Evaluations};
+    use crate::stream::stream;
+
+    struct Bowl([Bounds; 2]);
+
+    impl Problem for Bowl {
+        fn bounds(&self) -> &[Bounds] {
+            &self.0
+        }
+
+        fn objectives(&self) -> usize {
+            1
+        }
+
+        fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
+            let (x, y) = (candidates.coordinate(0), candidates.coordinate(1));
+            for i in 0..candidates.len() {
+                evaluations.objective(0)[i] = x[i] * x[i] + y[i] * y[i];
+            }
+        }
+    }
+
+    fn started() -> (Slpio, Bowl) {
+        let mut problem = Bowl([Bounds::new(-1.0, 2.0), Bounds::new(-5.0, 10.0)]);
+        let mut slpio = Slpio::new(SlpioSettings::default()).expect("in range");
+        slpio.initialise(&problem, &mut stream(1, 2, 3)).expect("solvable");
+        slpio.flock.judge(&mut problem);
+        (slpio, problem)
+    }
+
+    #[test]
+    fn the_map_and_compass_operator_is_eq_14_with_a_superior_demonstrator() {
+        let (mut slpio, problem) = started();
+        let before = slpio.clone();
+        slpio.learn(2, problem.bounds(), &mut stream(7, 8, 9));
+        let costs = before.flock.swarm.costs();
+        let mut rng = stream(7, 8, 9);
+        let _demonstrators: Vec<u32> = (0..51).map(|_| rng.next_u32()).collect();
+        let mut still = 0;
+        for (d, bounds) in problem.bounds().iter().enumerate() {
+            for i in 0..51 {
+                let rand = f64::from(rng.next_u32()) / 4_294_967_296.0;
+                let (x, v) = (before.flock.swarm.coordinate(d)[i], before.flock.velocities[d * 51 + i]);
+                let now = slpio.flock.swarm.coordinate(d)[i];
+                if slpio.demonstrators[i] == NOBODY {
+                    assert!(costs.objective(0).iter().all(|&cost| cost >= costs.objective(0)[i]));
+                    assert_eq!(now, x);
+                    still += 1;
+                    continue;
+                }
+                let model = slpio.demonstrators[i] as usize;
+                assert!(costs.objective(0)[model] < costs.objective(0)[i]);
+                let c1 = 1.0 - libm::log(0.1);
+                let limit = 0.5 * (bounds.upper - bounds.lower);
+                let pull = rand * c1 * (before.flock.swarm.coordinate(d)[model] - x);
+                let v = (v * libm::exp(-0.3 * 2.0) + pull).clamp(-limit, limit);
+                assert!((now - (x + v).clamp(bounds.lower, bounds.upper)).abs() < 1e-12);
+            }
+        }
+        assert_eq!(still, 2, "one pigeon is the best, in two dimensions");
+    }
+
+    #[test]
+    fn the_landmark_operator_is_eq_15() {
+        let (mut slpio, problem) = started();
+        let before = slpio.clone();
+        slpio.approach_center(problem.bounds(), &mut stream(7, 8, 9));
+        assert_eq!(slpio.flock.swarm.len(), 49);
+        let worst = before.flock.sort.before(before.flock.sort.fronts() - 2);
+        assert!(slpio.flock.leaving.iter().all(|pigeon| !worst.contains(pigeon)));
+        let mut left = before.clone();
+        left.flock.remove_worst(2);
+        let mut rng = stream(7, 8, 9);
+        for d in 0..2 {
+            let all = before.flock.swarm.coordinate(d);
+            let center = all.iter().sum::<f64>() / 51.0;
+            for (x, now) in left.flock.swarm.coordinate(d).iter().zip(slpio.flock.swarm.coordinate(d)) {
+                let rand = f64::from(rng.next_u32()) / 4_294_967_296.0;
+                assert!((now - (x + rand * 0.05 * (center - x))).abs() < 1e-12);
+            }
+        }
+    }
+}
