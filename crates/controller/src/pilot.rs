@@ -100,15 +100,11 @@ impl Pilot {
         let separation_m = settings.controller.look_ahead.separation_m;
         let own = around.forecast.vehicle(vehicle);
         let meets = |&(_, other): &(f64, u32)| {
-            let offsets = own
-                .iter()
-                .zip(around.forecast.vehicle(other as usize))
-                .map(|(here, there)| Vec2::new(there.x_m - here.x_m, there.y_m - here.y_m));
-            let mut before = None;
-            offsets.into_iter().any(|offset| {
-                let nearest_m = before.replace(offset).map_or(f64::INFINITY, |before: Vec2| before.nearest_to(offset));
-                nearest_m < separation_m
-            })
+            let theirs = around.forecast.vehicle(other as usize);
+            let offset = |instant: usize| {
+                Vec2::new(theirs[instant].x_m - own[instant].x_m, theirs[instant].y_m - own[instant].y_m)
+            };
+            (1..own.len()).any(|instant| offset(instant - 1).nearest_to(offset(instant)) < separation_m)
         };
         if decision.feasible && !self.sight.found.iter().any(meets) {
             return None;
