@@ -2,12 +2,9 @@
 
 use super::{Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal};
 use crate::args::{Cli, FlyArgs};
-use crate::config::{self, Overrides, Scenario};
+use crate::config::{self, GROUND_PORT, Overrides, Scenario};
 use crate::flying::{self, Ground, Pace, Progress};
 use std::net::SocketAddr;
-
-/// Where vehicles send their telemetry unasked.
-const GROUND_PORT: u16 = 14550;
 
 /// Flies the scenario with vehicles that run elsewhere and writes its folder.
 pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {

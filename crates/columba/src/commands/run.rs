@@ -4,20 +4,16 @@ use super::{
     Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal, vehicle_port_refused,
 };
 use crate::args::{Cli, RunArgs, Transport};
-use crate::config::{self, Overrides, Scenario};
+use crate::config::{self, Overrides, Scenario, VEHICLE_PORT};
 use crate::flight::Flight;
-use crate::flying::{self, Ground, LOCKSTEP_EPOCH_US, Log, Pace, Progress, Stop, Truth};
+use crate::flying::{self, Ground, Log, Pace, Progress, Stop, Truth};
 use crate::record::RunFolder;
 use anyhow::anyhow;
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Clock, Host, HostReport, LockstepSettings};
+use sim_vehicle::{Host, HostReport};
 use std::net::SocketAddr;
 use std::thread::JoinHandle;
-use std::time::{Duration, SystemTime};
 use tokio::sync::{oneshot, watch};
-
-/// Ports where nothing is asked for and others may want to look on.
-const VEHICLE_PORT: u16 = 14600;
 
 /// Flies the scenario and writes its folder.
 pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
@@ -54,17 +50,9 @@ fn over_udp(
         let mut ground =
             Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
                 .map_err(|error| ground_port_refused(scenario, error))?;
-        let (clock, base_port, epoch_us) = match speed {
-            None => {
-                let lockstep = LockstepSettings { period: scenario.control_period, ..LockstepSettings::default() };
-                (Clock::Lockstep(lockstep), scenario.link.vehicle_port.unwrap_or(0), LOCKSTEP_EPOCH_US)
-            }
-            Some(speed) => {
-                let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-                let clock = Clock::RealTime { speed, tick: Duration::from_millis(5) };
-                (clock, scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT), now.as_micros() as u64)
-            }
-        };
+        let (clock, epoch_us) = flying::clock(scenario, speed);
+        // Nobody else needs to find the vehicles of a run in lockstep, and several such runs share a machine.
+        let base_port = scenario.link.vehicle_port.unwrap_or(if speed.is_some() { VEHICLE_PORT } else { 0 });
         let (observer, truth) = flying::truth(scenario.starts.len(), scenario.integration_step);
         let vehicles = flying::vehicle_settings(scenario, Some(ground.address()?), epoch_us);
         // The link's impairment is the ground's: both directions pass there once.

@@ -2,19 +2,14 @@
 
 use super::{Failure, block_on, stop_on_signal, vehicle_port_refused};
 use crate::args::{Cli, VehiclesArgs};
-use crate::config::{self, Overrides};
-use crate::flying::{self, LOCKSTEP_EPOCH_US};
+use crate::config::{self, GROUND_PORT, Overrides, VEHICLE_PORT};
+use crate::flying;
 use anyhow::Context;
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Clock, Host, LockstepSettings, VehicleSettings};
+use sim_vehicle::{Host, VehicleSettings};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::{Duration, SystemTime};
-
-/// Ports where users' tools look.
-const VEHICLE_PORT: u16 = 14600;
-const GROUND_PORT: u16 = 14550;
 
 /// Runs the vehicles until Ctrl-C.
 pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
@@ -28,13 +23,7 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     };
     let scenario = config::load(args.config.as_deref(), &overrides)?;
     let stop = stop_on_signal()?;
-    let now_us = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_micros() as u64;
-    let (clock, epoch_us) = if args.lockstep {
-        let lockstep = LockstepSettings { period: scenario.control_period, ..LockstepSettings::default() };
-        (Clock::Lockstep(lockstep), LOCKSTEP_EPOCH_US)
-    } else {
-        (Clock::RealTime { speed: args.speed, tick: Duration::from_millis(5) }, now_us)
-    };
+    let (clock, epoch_us) = flying::clock(&scenario, (!args.lockstep).then_some(args.speed));
     let ground_port = scenario.link.ground_port.unwrap_or(GROUND_PORT);
     let ground = (ground_port > 0).then(|| SocketAddr::new(scenario.link.host, ground_port));
     let impairment = scenario.link.impairment;

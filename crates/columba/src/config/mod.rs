@@ -13,7 +13,7 @@ mod source;
 pub use check::{COUNT_MAX, DURATION_MAX_S, SHARE_MAX};
 pub use file::{Algorithm, Pattern, Preset, SetpointDialect};
 pub use provenance::Provenance;
-pub use scenario::{Link, Overrides, Scenario};
+pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT};
 pub use source::ConfigError;
 
 use file::ScenarioFile;

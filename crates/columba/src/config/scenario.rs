@@ -52,6 +52,11 @@ pub struct Scenario {
     pub provenance: Provenance,
 }
 
+/// First vehicle's port where others may want to find it.
+pub const VEHICLE_PORT: u16 = 14600;
+/// Where ground stations listen, and so where vehicles send their telemetry unasked.
+pub const GROUND_PORT: u16 = 14550;
+
 /// The link between vehicles and controller.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {

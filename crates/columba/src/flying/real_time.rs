@@ -4,6 +4,7 @@
 //! setpoints go out. What is lost is lost: the next period sends anew.
 
 use super::ground::{Ground, GroundError, stopped};
+use super::vehicles::unix_us;
 use super::{Ended, Log, Progress, Recorder, Stop, Truth};
 use crate::config::{Scenario, SetpointDialect};
 use crate::flight::Flight;
@@ -12,7 +13,7 @@ use flight_model::{Setpoint, State};
 use mavlink_bridge::dialect::Message;
 use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{Position, guided_commands, local_ned_setpoint};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 use tokio::time::Instant;
 
 /// Vehicles that do not say where they are for this long before the flight are given up.
@@ -182,8 +183,4 @@ impl RealTime {
             ..state
         }
     }
-}
-
-fn unix_us() -> u64 {
-    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |time| time.as_micros() as u64)
 }

@@ -2,8 +2,9 @@
 
 use crate::config::Scenario;
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Clock, HostSettings, TelemetryRates, VehicleSettings};
+use sim_vehicle::{Clock, HostSettings, LockstepSettings, TelemetryRates, VehicleSettings};
 use std::net::SocketAddr;
+use std::time::{Duration, SystemTime};
 
 /// Time zero of a flight in simulated time, in microseconds since the Unix epoch: 2026-01-01, so that a flight's log is
 /// the same whenever it is flown.
@@ -43,6 +44,23 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         ..VehicleSettings::default()
     };
     scenario.starts.iter().enumerate().map(vehicle).collect()
+}
+
+/// The clock of a scenario's vehicles and what it shows at time zero, in microseconds since the Unix epoch: `speed` times
+/// the wall clock, or simulated time where there is no speed.
+pub fn clock(scenario: &Scenario, speed: Option<f64>) -> (Clock, u64) {
+    match speed {
+        Some(speed) => (Clock::RealTime { speed, tick: Duration::from_millis(5) }, unix_us()),
+        None => {
+            let lockstep = LockstepSettings { period: scenario.control_period, ..LockstepSettings::default() };
+            (Clock::Lockstep(lockstep), LOCKSTEP_EPOCH_US)
+        }
+    }
+}
+
+/// The wall clock, in microseconds since the Unix epoch.
+pub fn unix_us() -> u64 {
+    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |time| time.as_micros() as u64)
 }
 
 /// The host of a scenario's vehicles.
