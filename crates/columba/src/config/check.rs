@@ -223,18 +223,10 @@ fn controller(file: &ScenarioFile, faults: &mut Faults) {
 }
 
 fn optimizer(file: &ScenarioFile, faults: &mut Faults) {
-    let settings = super::scenario::optimizer_settings(&file.optimizer);
-    let Err(error) = settings.validate() else { return };
-    let wanted = match (error.setting, error.range) {
-        ("removed_per_iteration", _) => {
-            let (pigeons, iterations) = (settings.population(), settings.iterations);
-            let most = pigeons.saturating_sub(1) / iterations.max(1);
-            format!("at most {most}, so that of {pigeons} pigeons one is left for the last of {iterations} iterations")
-        }
-        (_, range) if range.starts_with("from") => format!("a number {range}"),
-        (_, range) => range.to_owned(),
-    };
-    faults.add(format!("optimizer.{}", error.setting), error.value, wanted);
+    let Err((algorithm, error)) = file.optimizer.validate() else { return };
+    let wanted =
+        if error.range.starts_with("from") { format!("a number {}", error.range) } else { error.range.to_owned() };
+    faults.add(format!("optimizer.{}.{}", algorithm.key(), error.setting), error.value, wanted);
 }
 
 fn dynamics(file: &ScenarioFile, faults: &mut Faults) {

@@ -1,6 +1,7 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
+use optimizer::OptimizerSettings;
 use serde::{Deserialize, Serialize};
 
 /// The whole file.
@@ -33,7 +34,7 @@ pub struct ScenarioFile {
     pub look_ahead: LookAheadSettings,
     /// Who picks the weights.
     #[serde(default)]
-    pub optimizer: OptimizerTable,
+    pub optimizer: OptimizerSettings,
     /// How vehicles fly (Eq. 1 and 3).
     #[serde(default)]
     pub dynamics: DynamicsTable,
@@ -205,56 +206,6 @@ pub struct ObstacleTable {
     pub y_m: f64,
     /// Radius, m.
     pub radius_m: f64,
-}
-
-/// The optimiser; the names are those of `optimizer::MslpioSettings`.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct OptimizerTable {
-    /// Which one.
-    pub algorithm: Algorithm,
-    /// M of Eq. 13.
-    pub base_population: usize,
-    /// D of Eq. 13.
-    pub dimension_setting: usize,
-    /// The social coefficient a.
-    pub social_coefficient: f64,
-    /// The map and compass factor R.
-    pub map_and_compass_factor: f64,
-    /// N_max.
-    pub iterations: usize,
-    /// N_removed.
-    pub removed_per_iteration: usize,
-    /// Greatest velocity, as a share of each weight's range.
-    pub velocity_limit: f64,
-    /// Greatest size of the archive.
-    pub archive_capacity: usize,
-}
-
-/// Which optimiser picks the weights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Algorithm {
-    /// Multi-objective social learning pigeon-inspired optimisation.
-    #[default]
-    Mslpio,
-}
-
-impl Default for OptimizerTable {
-    fn default() -> Self {
-        let defaults = optimizer::MslpioSettings::default();
-        Self {
-            algorithm: Algorithm::default(),
-            base_population: defaults.base_population,
-            dimension_setting: defaults.dimension_setting,
-            social_coefficient: defaults.social_coefficient,
-            map_and_compass_factor: defaults.map_and_compass_factor,
-            iterations: defaults.iterations,
-            removed_per_iteration: defaults.removed_per_iteration,
-            velocity_limit: defaults.velocity_limit,
-            archive_capacity: defaults.archive_capacity,
-        }
-    }
 }
 
 /// Eq. 1 and 3.

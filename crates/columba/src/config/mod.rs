@@ -11,7 +11,7 @@ mod scenario;
 mod source;
 
 pub use check::{COUNT_MAX, DURATION_MAX_S, SHARE_MAX};
-pub use file::{Algorithm, Pattern, Preset, SetpointDialect};
+pub use file::{Pattern, Preset, SetpointDialect};
 pub use provenance::Provenance;
 pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT};
 pub use source::ConfigError;
