@@ -1,6 +1,7 @@
 //! What a comparison flies: every scenario by every contender with every seed, each flight with its key.
 
 use crate::config::{ConfigError, Contender, Entry, Layer, Scenario};
+use optimizer::OptimizerSettings;
 use siphasher::sip128::{Hasher128, SipHasher13};
 use std::hash::Hasher;
 use std::path::PathBuf;
@@ -95,6 +96,11 @@ impl Plan {
             let (scenario, contender) = (entry / self.contenders.len(), entry % self.contenders.len());
             Planned { scenario, contender, seed, key: key(&self.identities[entry], seed) }
         })
+    }
+
+    /// Who picks the weights.
+    pub fn optimizer(&self, scenario: usize, contender: usize) -> &OptimizerSettings {
+        self.entries[scenario * self.contenders.len() + contender].optimizer()
     }
 
     /// What flies.

@@ -3,7 +3,7 @@
 use super::layer::{Layer, lay};
 use super::source::Source;
 use super::{ConfigError, Overrides, Preset, Provenance, Scenario, ScenarioFile};
-use optimizer::Algorithm;
+use optimizer::{Algorithm, OptimizerSettings};
 use std::path::Path;
 use toml_edit::{Item, Table};
 
@@ -164,6 +164,11 @@ impl Entry {
     /// The scenario's name.
     pub fn name(&self) -> &str {
         &self.file.scenario.name
+    }
+
+    /// Who picks the weights.
+    pub fn optimizer(&self) -> &OptimizerSettings {
+        &self.file.optimizer
     }
 
     /// What flies with a seed.

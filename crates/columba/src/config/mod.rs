@@ -18,7 +18,7 @@ pub use contender::{Contender, Entry, read_contenders};
 pub use file::{Pattern, Preset, SetpointDialect};
 pub use layer::Layer;
 pub use provenance::Provenance;
-pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT};
+pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT, file_name};
 pub use source::ConfigError;
 
 use file::ScenarioFile;
