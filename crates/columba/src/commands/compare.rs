@@ -77,17 +77,12 @@ fn default_folder(plan: &Plan) -> PathBuf {
 
 fn announce(plan: &Plan, census: Census, folder: &RunFolder) {
     let Census { asked, flown, others } = census;
-    let mut line = format!(
-        "{} contenders, {} scenarios, {} seeds: {asked} flights",
-        plan.contenders.len(),
-        plan.scenarios.len(),
-        plan.seeds.len()
-    );
+    let journal = folder.path().join(JOURNAL);
+    print_line(compare::headline(plan));
     if flown > 0 {
-        line += &format!(", {flown} of them flown already");
+        print_line(format_args!("  {flown} of {asked} are in {} already", journal.display()));
     }
-    print_line(line);
     if others > 0 {
-        print_line(format_args!("  {} holds {others} other flights, which stay there", folder.path().join(JOURNAL).display()));
+        print_line(format_args!("  {others} flights of other comparisons stay in {}", journal.display()));
     }
 }

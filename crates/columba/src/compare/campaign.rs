@@ -43,8 +43,9 @@ pub fn fly(plan: &Plan, journal: Journal, flown: &mut Flown, crew: &Crew) -> any
     crew.work(left.len(), |index| {
         let planned = &left[index];
         let scenario = plan.scenario(planned.scenario, planned.contender, planned.seed)?;
-        let Some(Flight { summary, .. }) = fly_once(&scenario, &crew.stop)
-            .with_context(|| format!("{}, {}, seed {}", scenario.name, plan.contenders[planned.contender], planned.seed))?
+        let Some(Flight { summary, .. }) = fly_once(&scenario, &crew.stop).with_context(|| {
+            format!("{}, {}, seed {}", scenario.name, plan.contenders[planned.contender], planned.seed)
+        })?
         else {
             return Ok(());
         };
@@ -114,4 +115,68 @@ fn bar(flights: usize, quiet: bool) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::tests::plan;
+    use super::*;
+    use std::collections::HashMap;
+    use tokio::sync::watch;
+
+    fn crew(threads: usize, stopped: bool) -> Crew {
+        Crew { threads, quiet: true, stop: watch::channel(stopped).1 }
+    }
+
+    #[test]
+    fn every_task_is_done_once_by_any_number_of_threads() {
+        for threads in [1, 2, 7] {
+            let done: Vec<AtomicUsize> = (0..50).map(|_| AtomicUsize::new(0)).collect();
+            let count = |index: usize| {
+                done[index].fetch_add(1, Ordering::Relaxed);
+                Ok(())
+            };
+            crew(threads, false).work(50, count).unwrap();
+            assert!(done.iter().all(|times| times.load(Ordering::Relaxed) == 1));
+        }
+    }
+
+    #[test]
+    fn a_failure_ends_the_work_and_is_told_and_so_does_a_wish_to_stop() {
+        let done = AtomicUsize::new(0);
+        let fail = |index| {
+            done.fetch_add(1, Ordering::Relaxed);
+            if index == 3 { Err(anyhow!("the third")) } else { Ok(()) }
+        };
+        assert_eq!(crew(1, false).work(50, fail).unwrap_err().to_string(), "the third");
+        assert_eq!(done.load(Ordering::Relaxed), 4);
+        crew(2, true).work(50, |_| Err(anyhow!("nothing should be done"))).unwrap();
+    }
+
+    #[test]
+    fn flights_are_flown_once_and_gone_on_with() {
+        let short = &["scenario.duration_s=1"];
+        let folder = tempfile::tempdir().unwrap();
+        let fly_all = |seeds: &[u64], threads: usize| {
+            let plan = plan(&["one", "two"], short, seeds).unwrap();
+            let (journal, mut flown) = Journal::open(folder.path()).unwrap();
+            let before = census(&plan, &flown);
+            fly(&plan, journal, &mut flown, &crew(threads, false)).unwrap();
+            (before, flown)
+        };
+        let (before, first) = fly_all(&[1, 2], 1);
+        assert_eq!(before, Census { asked: 4, flown: 0, others: 0 });
+        assert_eq!(first.len(), 4);
+        let (before, second) = fly_all(&[2, 3], 2);
+        assert_eq!(before, Census { asked: 4, flown: 2, others: 2 });
+        assert_eq!(second.len(), 6);
+        // What was flown is as it was, wall times and all: nothing was flown again.
+        assert!(first.iter().all(|(key, summary)| second[key] == *summary));
+
+        let nothing = HashMap::new();
+        let stopped = plan(&["one"], short, &[9]).unwrap();
+        let (journal, mut flown) = Journal::open(folder.path()).unwrap();
+        fly(&stopped, journal, &mut flown, &crew(1, true)).unwrap();
+        assert_eq!(census(&stopped, &flown).flown, census(&stopped, &nothing).flown);
+    }
 }

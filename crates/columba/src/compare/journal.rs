@@ -92,7 +92,12 @@ mod tests {
 
     fn summary(seed: u64) -> Summary {
         let separation_m = 4.0 + 1.0 / (seed as f64 + 3.0);
-        Summary { seed, min_separation_m: Some(separation_m), min_clearance_m: Some(f64::INFINITY), ..Summary::default() }
+        Summary {
+            seed,
+            min_separation_m: Some(separation_m),
+            min_clearance_m: Some(f64::INFINITY),
+            ..Summary::default()
+        }
     }
 
     #[test]

@@ -18,6 +18,7 @@ pub use journal::{Flown, JOURNAL, Journal, JournalError};
 pub use plan::{Plan, PlanError, Planned};
 pub use report::{Picture, draw};
 pub use seeds::Seeds;
+pub use table::headline;
 
 use crate::record::{RecordError, RunFolder};
 use crate::report::ReportError;

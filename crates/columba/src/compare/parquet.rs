@@ -129,3 +129,75 @@ fn write_column<T: DataType>(
     column.typed::<T>().write_batch(&values, Some(&levels), None)?;
     column.close()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::results::tests::{flown, rows};
+    use super::*;
+    use crate::flight::Summary;
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    fn read(bytes: Vec<u8>) -> Vec<Vec<(String, Field)>> {
+        let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).unwrap();
+        reader.get_row_iter(None).unwrap().map(|row| row.unwrap().into_columns()).collect()
+    }
+
+    fn of(row: &[(String, Field)], name: &str) -> Field {
+        row.iter().find(|(column, _)| column == name).unwrap_or_else(|| panic!("{name}")).1.clone()
+    }
+
+    #[test]
+    fn every_flight_reads_back_and_what_it_has_not_is_null() {
+        let flights = [
+            Summary {
+                failure: Some("UAV 1 and 2 at 3 s".to_owned()),
+                min_separation_vehicles: Some([2, 3]),
+                ..flown(u64::MAX, None, 0.5)
+            },
+            flown(2, Some(23.25), 4.125),
+        ];
+        let read = read(flights_parquet(&rows("NSGA-II, \u{fc}", &flights)).unwrap());
+        assert_eq!(read.len(), 2);
+        let (first, second) = (&read[0], &read[1]);
+        assert_eq!(of(first, "contender"), Field::Str("NSGA-II, \u{fc}".to_owned()));
+        assert_eq!(of(first, "seed"), Field::ULong(u64::MAX));
+        assert_eq!(
+            (of(first, "speed_convergence_s"), of(second, "speed_convergence_s")),
+            (Field::Null, Field::Double(23.25))
+        );
+        assert_eq!((of(first, "success"), of(second, "success")), (Field::Bool(false), Field::Bool(true)));
+        assert_eq!(of(second, "failure"), Field::Null);
+        assert_eq!(
+            (of(first, "min_separation_vehicle_b"), of(second, "min_separation_vehicle_b")),
+            (Field::ULong(3), Field::Null)
+        );
+        assert_eq!(of(second, "min_separation_m"), Field::Double(4.125));
+        assert_eq!(of(second, "evaluations_per_solve"), Field::ULong(651));
+    }
+
+    /// Whoever adds a figure to a summary is told here that it has a column, too.
+    #[test]
+    fn every_figure_of_a_summary_has_its_column() {
+        let columns: Vec<&str> = [&IDENTITY[..], &FLIGHT, &TIMES].concat().iter().map(|(name, _)| *name).collect();
+        let summary = serde_json::to_value(Summary::default()).unwrap();
+        // A flight in memory has no link, one that was interrupted no row, and the factor follows from the rest.
+        let without = ["link", "interrupted", "real_time_factor"];
+        for name in summary.as_object().unwrap().keys().filter(|name| !without.contains(&name.as_str())) {
+            let split = format!("{}_a", name.trim_end_matches('s'));
+            assert!(columns.contains(&name.as_str()) || columns.contains(&split.as_str()), "{name}");
+        }
+    }
+
+    #[test]
+    fn wall_times_are_in_their_own_file_only() {
+        let flight = flown(1, None, 2.0);
+        let slower =
+            Summary { solve_us_p50: 1e3, solve_us_p99: 1e4, wall_s: 9.0, real_time_factor: 4.0, ..flight.clone() };
+        let (flight, slower) = ([flight], [slower]);
+        let (flight, slower) = (rows("one", &flight), rows("one", &slower));
+        assert_eq!(flights_parquet(&flight).unwrap(), flights_parquet(&slower).unwrap());
+        assert_ne!(timings_parquet(&flight).unwrap(), timings_parquet(&slower).unwrap());
+        assert_eq!(of(&read(timings_parquet(&slower).unwrap())[0], "wall_s"), Field::Double(9.0));
+    }
+}

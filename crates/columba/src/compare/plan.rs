@@ -130,3 +130,72 @@ fn program() -> String {
     let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
     format!("{} {:032x}", env!("CARGO_PKG_VERSION"), SipHasher13::new().hash(&bytes).as_u128())
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use optimizer::Algorithm;
+    use std::path::Path;
+
+    /// The paper's flight by these optimisers, changed as `--set` changes it.
+    pub fn plan(names: &[&str], settings: &[&str], seeds: &[u64]) -> Result<Plan, PlanError> {
+        let settings: Vec<Layer> = settings.iter().map(|text| Layer::setting(text).unwrap()).collect();
+        let algorithms = [Algorithm::Mslpio, Algorithm::Mpio, Algorithm::Nsga2];
+        let contenders = names.iter().zip(algorithms);
+        let contenders: Vec<Contender> =
+            contenders.map(|(name, algorithm)| Contender::with_optimizer(algorithm, name).unwrap()).collect();
+        Plan::new(&[], &settings, &contenders, seeds)
+    }
+
+    fn keys(names: &[&str], settings: &[&str], seeds: &[u64]) -> Vec<String> {
+        plan(names, settings, seeds).unwrap().flights().map(|planned| planned.key).collect()
+    }
+
+    #[test]
+    fn flights_are_in_the_order_scenario_contender_seed() {
+        let plan = plan(&["one", "two"], &[], &[7, 3]).unwrap();
+        let flights: Vec<_> = plan.flights().map(|flight| (flight.scenario, flight.contender, flight.seed)).collect();
+        assert_eq!(flights, [(0, 0, 7), (0, 0, 3), (0, 1, 7), (0, 1, 3)]);
+        assert_eq!(
+            (plan.scenarios.as_slice(), plan.contenders.as_slice()),
+            (&["paper".to_owned()][..], &["one".to_owned(), "two".to_owned()][..])
+        );
+        let scenario = plan.scenario(0, 1, 3).unwrap();
+        assert_eq!((scenario.seed, scenario.optimizer.algorithm), (3, Algorithm::Mpio));
+        assert_eq!(plan.optimizer(0, 1).algorithm, Algorithm::Mpio);
+    }
+
+    #[test]
+    fn a_key_is_of_all_that_decides_a_flight_and_of_nothing_else() {
+        let base = keys(&["one"], &[], &[1]);
+        assert_eq!(base, keys(&["another name"], &[], &[1]));
+        assert_eq!(
+            base,
+            keys(&["one"], &["link.loss=0.5", "output.folder=elsewhere"], &[1]),
+            "in memory nothing is lost"
+        );
+        assert_eq!(base, keys(&["one"], &["look_ahead.horizon_s=3"], &[1]), "what it is by default");
+        for (settings, seed) in [
+            (&["look_ahead.horizon_s=3.5"][..], 1),
+            (&["law.formation_gain=0.21"], 1),
+            (&["optimizer.mslpio.iterations=11"], 1),
+            (&["flock.expected_speed_mps=10.5"], 1),
+            (&["scenario.control_period_s=0.25"], 1),
+            (&["preset=paper"], 1),
+            (&[], 2),
+        ] {
+            assert_ne!(base, keys(&["one"], settings, &[seed]), "{settings:?} {seed}");
+        }
+        let all = keys(&["one", "two", "three"], &[], &[1, 2, 3]);
+        assert!(all.iter().enumerate().all(|(index, key)| !all[..index].contains(key)));
+    }
+
+    #[test]
+    fn two_of_one_name_cannot_be_told_apart() {
+        assert!(matches!(plan(&["one", "one"], &[], &[1]), Err(PlanError::SameContender(_))));
+        let twice = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/paper.toml");
+        let contender = Contender::with_optimizer(Algorithm::Mpio, "one").unwrap();
+        let refused = Plan::new(&[twice.clone(), twice], &[], &[contender], &[1]);
+        assert!(matches!(refused, Err(PlanError::SameScenario(name)) if name == "paper"));
+    }
+}

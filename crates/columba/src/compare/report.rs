@@ -3,8 +3,8 @@
 use super::campaign::{Crew, fly_once};
 use super::plan::Plan;
 use super::results::Outcome;
-use super::words::{self, Table};
 use super::table;
+use super::words::{self, Table};
 use crate::flight::Flight;
 use crate::record::RunFolder;
 use crate::report::{CSS, PNG_SCALE, ReportError, escape, figures, fill, headline, to_png};
@@ -54,7 +54,8 @@ pub fn draw(plan: &Plan, seed: u64, crew: &Crew) -> anyhow::Result<Option<Vec<Pi
     crew.work(count, |index| {
         let (scenario, contender) = (index / plan.contenders.len(), index % plan.contenders.len());
         let flown = plan.scenario(scenario, contender, seed)?;
-        let flight = fly_once(&flown, &crew.stop).with_context(|| format!("{}, seed {seed}", plan.contenders[contender]))?;
+        let flight =
+            fly_once(&flown, &crew.stop).with_context(|| format!("{}, seed {seed}", plan.contenders[contender]))?;
         if let Some(flight) = flight {
             let picture = picture(plan, scenario, contender, &flight, &files[index]);
             drawn.lock().unwrap_or_else(PoisonError::into_inner).push(picture);
@@ -177,4 +178,62 @@ fn of_picture(picture: &Picture) -> String {
         escape(&picture.title),
         escape(&picture.caption)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::tests::plan;
+    use super::super::results::{outcomes, tests::flown};
+    use super::*;
+    use crate::report::sample;
+
+    fn page_of(names: &[&str]) -> String {
+        let plan = plan(names, &[], &[1]).unwrap();
+        let files = file_names(&plan);
+        let flight = sample::flight(2, 3, 9);
+        let pictures: Vec<Picture> =
+            (0..names.len()).map(|contender| picture(&plan, 0, contender, &flight, &files[contender])).collect();
+        let summaries: Vec<_> = plan.flights().map(|planned| flown(planned.seed, None, 2.0)).collect();
+        let rows: Vec<_> = plan
+            .flights()
+            .zip(&summaries)
+            .map(|(planned, summary)| super::super::results::Row {
+                scenario: &plan.scenarios[0],
+                contender: &plan.contenders[planned.contender],
+                seed: planned.seed,
+                evaluations: 651,
+                summary,
+            })
+            .collect();
+        page(&plan, &outcomes(&plan, &rows), &pictures)
+    }
+
+    #[test]
+    fn every_identifier_is_of_one_thing_and_every_reference_leads_to_one() {
+        let page = page_of(&["a b", "a-b", "a_b"]);
+        let after = |mark: &str, end: char| -> Vec<String> {
+            page.split(mark).skip(1).filter_map(|rest| rest.split(end).next().map(str::to_owned)).collect()
+        };
+        let mut ids = after(" id=\"", '"');
+        let count = ids.len();
+        let references = after("url(#", ')');
+        assert!(references.len() == 9 && references.iter().all(|reference| ids.contains(reference)), "{references:?}");
+        ids.sort();
+        ids.dedup();
+        assert_eq!(ids.len(), count, "{ids:?}");
+        for file in ["paper-a-b-paths", "paper-a-b-2-speeds", "paper-a-b-3-courses"] {
+            assert!(page.contains(&format!("href=\"figures/{file}.png\"")), "{file}");
+        }
+    }
+
+    #[test]
+    fn the_page_stands_alone_and_names_are_no_markup() {
+        let page = page_of(&["<script>alert(1)</script>{{sections}}", "other"]);
+        assert!(!page.contains("<script") && page.contains("&lt;script&gt;alert(1)"));
+        assert!(page.ends_with("</html>\n") && page.matches("<h2>Scenario").count() == 1);
+        let without_namespace = page.replace("http://www.w3.org/2000/svg", "");
+        for outside in ["http:", "https:", "src=", "@import"] {
+            assert!(!without_namespace.contains(outside), "{outside}");
+        }
+    }
 }

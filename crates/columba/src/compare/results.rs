@@ -196,9 +196,8 @@ fn standing<'a>(rows: &[Row<'a>]) -> Option<Standing<'a>> {
     let count = |is: fn(&Summary) -> bool| flights().filter(|&summary| is(summary)).count();
     let sum = |of: fn(&Summary) -> u32| flights().map(|summary| u64::from(of(summary))).sum();
     let least = |of: fn(&Summary) -> Option<f64>| flights().filter_map(of).min_by(f64::total_cmp);
-    let middle = |of: fn(&Summary) -> f64| {
-        median(&flights().map(of).filter(|value| value.is_finite()).collect::<Vec<_>>())
-    };
+    let middle =
+        |of: fn(&Summary) -> f64| median(&flights().map(of).filter(|value| value.is_finite()).collect::<Vec<_>>());
     let successes = count(|summary| summary.success);
     Some(Standing {
         contender: first.contender,
@@ -254,7 +253,7 @@ fn duels<'a>(flights: &[&[Row<'a>]]) -> Vec<Duel<'a>> {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A flight that converged then, or never.
@@ -275,7 +274,8 @@ pub mod tests {
     }
 
     pub fn rows<'a>(contender: &'a str, flights: &'a [Summary]) -> Vec<Row<'a>> {
-        let row = |summary: &'a Summary| Row { scenario: "paper", contender, seed: summary.seed, evaluations: 651, summary };
+        let row =
+            |summary: &'a Summary| Row { scenario: "paper", contender, seed: summary.seed, evaluations: 651, summary };
         flights.iter().map(row).collect()
     }
 

@@ -22,7 +22,9 @@ impl FromStr for Seeds {
     /// `100` is 1 to 100, `101..200` both ends and what lies between, `7..7` a single one, `3,5,101..110` all of these.
     fn from_str(text: &str) -> Result<Self, String> {
         let wanted = || {
-            format!("must be how many (100), a range with both ends (101..200) or a list (3,5,8..9), at most {SEEDS_MAX}")
+            format!(
+                "must be how many (100), a range with both ends (101..200) or a list (3,5,8..9), at most {SEEDS_MAX}"
+            )
         };
         let number = |text: &str| text.trim().parse::<u64>().map_err(|_| wanted());
         let ranges = match text.parse::<u64>() {

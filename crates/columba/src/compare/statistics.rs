@@ -174,9 +174,15 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_median_is_of_order_statistics() {
-        for (n, low, high) in
-            [(6, 1.0, 6.0), (7, 1.0, 7.0), (9, 2.0, 8.0), (20, 6.0, 15.0), (31, 10.0, 22.0), (100, 40.0, 61.0), (1000, 469.0, 532.0)]
-        {
+        for (n, low, high) in [
+            (6, 1.0, 6.0),
+            (7, 1.0, 7.0),
+            (9, 2.0, 8.0),
+            (20, 6.0, 15.0),
+            (31, 10.0, 22.0),
+            (100, 40.0, 61.0),
+            (1000, 469.0, 532.0),
+        ] {
             let values: Vec<f64> = (1..=n).rev().map(f64::from).collect();
             assert_eq!(median_interval(&values), Some(Interval { low, high }), "{n}");
         }

@@ -57,7 +57,8 @@ pub fn json(plan: &Plan, outcomes: &[Outcome<'_>]) -> Result<String, serde_json:
     let scenarios: Vec<Value> = outcomes
         .iter()
         .map(|outcome| {
-            let standings: Vec<Value> = outcome.standings.iter().map(|standing| of_standing(outcome.scenario, standing)).collect();
+            let standings: Vec<Value> =
+                outcome.standings.iter().map(|standing| of_standing(outcome.scenario, standing)).collect();
             let tests: Vec<Value> = outcome.duels.iter().map(of_duel).collect();
             json!({ "scenario": outcome.scenario, "contenders": standings, "tests": tests })
         })
@@ -77,9 +78,9 @@ fn of_standing(scenario: &str, standing: &Standing<'_>) -> Value {
         .iter()
         .zip(&standing.estimates)
         .map(|(measure, estimate)| {
-            let estimate = estimate.map(|estimate| {
-                json!({ "median": number(estimate.median), "interval_95": estimate.interval.map(interval) })
-            });
+            let estimate = estimate.map(
+                |estimate| json!({ "median": number(estimate.median), "interval_95": estimate.interval.map(interval) }),
+            );
             (measure.key.to_owned(), estimate.unwrap_or_default())
         })
         .collect();
@@ -125,4 +126,68 @@ fn interval(interval: Interval) -> Value {
 
 fn number(value: f64) -> Value {
     if value == f64::INFINITY { json!("never") } else { json!(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::tests::plan;
+    use super::super::results::{Row, outcomes, tests::flown};
+    use super::*;
+    use crate::flight::Summary;
+
+    /// Of the first contender every flight converges at 20 s and more, of the second none.
+    fn flights() -> (Plan, Vec<Summary>) {
+        let plan = plan(&["one", "two | three"], &[], &[1, 2, 3, 4, 5, 6, 7]).unwrap();
+        let summary = |planned: super::super::Planned| {
+            let algorithm = if planned.contender == 0 { "mslpio" } else { "mpio" };
+            let converged_s = (planned.contender == 0).then_some(20.0 + planned.seed as f64);
+            Summary { algorithm: algorithm.to_owned(), ..flown(planned.seed, converged_s, 2.5) }
+        };
+        let flights = plan.flights().map(summary).collect();
+        (plan, flights)
+    }
+
+    fn rows<'a>(plan: &'a Plan, flights: &'a [Summary]) -> Vec<Row<'a>> {
+        let row = |(planned, summary): (super::super::Planned, &'a Summary)| Row {
+            scenario: &plan.scenarios[planned.scenario],
+            contender: &plan.contenders[planned.contender],
+            seed: planned.seed,
+            evaluations: 651,
+            summary,
+        };
+        plan.flights().zip(flights).map(row).collect()
+    }
+
+    #[test]
+    fn never_is_printed_as_the_paper_prints_it_and_its_values_stand_beside_ours() {
+        let (plan, flights) = flights();
+        let text = markdown(&plan, &outcomes(&plan, &rows(&plan, &flights)));
+        let lines: Vec<Vec<&str>> =
+            text.lines().map(|line| line.split(" | ").map(|cell| cell.trim_matches([' ', '|'])).collect()).collect();
+        let line = |name: &str| lines.iter().find(|cells| cells[0] == name).unwrap_or_else(|| panic!("{text}"));
+        assert_eq!(line("one")[1..5], ["24.00 [21.00, 27.00]", "37.00", "30.00 [30.00, 30.00]", "33.75"]);
+        assert!(text.contains("| two \\| three | > T_max [> T_max, > T_max] |"), "{text}");
+        assert!(text.contains("T_max = 42 s"), "{text}");
+        assert!(!text.contains("solve, median"), "wall times are not for this file");
+        let widths: Vec<usize> =
+            text.lines().filter(|line| line.starts_with("| ")).map(|line| line.chars().count()).collect();
+        assert_eq!(widths[0], widths[1], "columns stand under each other");
+    }
+
+    #[test]
+    fn scripts_find_the_same_by_name() {
+        let (plan, flights) = flights();
+        let json: Value =
+            serde_json::from_str(&json(&plan, &outcomes(&plan, &rows(&plan, &flights))).unwrap()).unwrap();
+        let scenario = &json["scenarios"][0];
+        let (first, second) = (&scenario["contenders"][0], &scenario["contenders"][1]);
+        assert_eq!(first["medians"]["speed_convergence_s"], json!({ "median": 24.0, "interval_95": [21.0, 27.0] }));
+        assert_eq!(second["medians"]["speed_convergence_s"]["median"], json!("never"));
+        assert_eq!(second["paper"], json!({ "speed_convergence_s": "never", "course_convergence_s": 35.15 }));
+        assert_eq!((&first["speed_converged_rate"], &second["speed_converged_rate"]), (&json!(1.0), &json!(0.0)));
+        assert_eq!(first["least_clearance_m"], Value::Null);
+        let test = &scenario["tests"][0];
+        assert_eq!((&test["measure"], &test["against"]), (&json!("speed_convergence_s"), &json!("one")));
+        assert_eq!((&test["u"], &test["a_better"]), (&json!(49.0), &json!(0.0)));
+    }
 }

@@ -58,7 +58,8 @@ pub fn times(outcome: &Outcome<'_>) -> Table {
 /// The paper's Table 1, with its own values beside ours.
 fn convergence(outcome: &Outcome<'_>) -> Table {
     let t_max_s = outcome.standings.first().map_or(0.0, |standing| standing.t_max_s);
-    let with_paper = outcome.standings.iter().any(|standing| in_the_paper(outcome.scenario, standing.algorithm).is_some());
+    let with_paper =
+        outcome.standings.iter().any(|standing| in_the_paper(outcome.scenario, standing.algorithm).is_some());
     let mut head = words(&["contender", "velocities (s)", "yaw angles (s)"]);
     if with_paper {
         head = words(&["contender", "velocities (s)", "in the paper", "yaw angles (s)", "in the paper"]);
@@ -122,9 +123,10 @@ fn safety(outcome: &Outcome<'_>) -> Table {
 fn smoothness(outcome: &Outcome<'_>) -> Table {
     Table {
         title: "Smoothness, tightness and cost".to_owned(),
-        note: "How much a vehicle changed its speed and turned in all, and how far it was from the flock's centre, the \
+        note:
+            "How much a vehicle changed its speed and turned in all, and how far it was from the flock's centre, the \
                means over the flock: medians over the flights with their 95 % intervals."
-            .to_owned(),
+                .to_owned(),
         head: words(&[
             "contender",
             "speed variation (m/s)",
@@ -177,14 +179,8 @@ fn ranks(outcome: &Outcome<'_>) -> Option<Table> {
 }
 
 fn each(outcome: &Outcome<'_>, cells: impl Fn(&Standing<'_>) -> Vec<String>) -> Vec<Vec<String>> {
-    let row = |standing| [vec![Standing::name(standing)], cells(standing)].concat();
+    let row = |standing: &Standing<'_>| [vec![standing.contender.to_owned()], cells(standing)].concat();
     outcome.standings.iter().map(row).collect()
-}
-
-impl Standing<'_> {
-    fn name(&self) -> String {
-        self.contender.to_owned()
-    }
 }
 
 fn words(words: &[&str]) -> Vec<String> {

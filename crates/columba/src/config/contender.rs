@@ -47,7 +47,7 @@ pub fn read_contenders(path: &Path) -> Result<Vec<Contender>, ConfigError> {
     contenders(&Source::read(path, "a file of [[contender]] tables (TOML)")?)
 }
 
-fn contenders(source: &Source) -> Result<Vec<Contender>, ConfigError> {
+pub(super) fn contenders(source: &Source) -> Result<Vec<Contender>, ConfigError> {
     let document = source.parsed()?;
     let root = document.as_table();
     if let Some((key, item)) = root.iter().find(|(key, _)| *key != "contender") {
@@ -67,7 +67,8 @@ fn contenders(source: &Source) -> Result<Vec<Contender>, ConfigError> {
     for (index, table) in tables.iter().enumerate() {
         match contender(source, index + 1, table) {
             Ok(contender) if contenders.iter().any(|other| other.name == contender.name) => {
-                let message = format!("contender[{}].name = {:?}: must be another contender's no more", index + 1, contender.name);
+                let message =
+                    format!("contender[{}].name = {:?}: must be no other contender's", index + 1, contender.name);
                 lines.extend(source.refuse_at(offset(table, "name"), &message).lines);
             }
             Ok(contender) => contenders.push(contender),
@@ -116,7 +117,8 @@ impl Layer {
     /// # Errors
     /// It has no key, or sets what a comparison decides.
     pub fn setting(text: &str) -> Result<Self, String> {
-        let wanted = || "must be KEY=VALUE with a key as in docs/scenario.md, such as look_ahead.horizon_s=1.5".to_owned();
+        let wanted =
+            || "must be KEY=VALUE with a key as in docs/scenario.md, such as look_ahead.horizon_s=1.5".to_owned();
         let (key, value) = text.split_once('=').ok_or_else(wanted)?;
         let (key, value) = (key.trim(), value.trim());
         let is_key = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "._-".contains(c));
@@ -125,7 +127,8 @@ impl Layer {
         }
         let written = format!("{key} = {value}");
         let quoted = || format!("{key} = {}", toml_edit::Value::from(value));
-        let layer = Self::of_flag("--set", &written).or_else(|_| Self::of_flag("--set", &quoted())).map_err(|_| wanted())?;
+        let layer =
+            Self::of_flag("--set", &written).or_else(|_| Self::of_flag("--set", &quoted())).map_err(|_| wanted())?;
         reserved(&layer).map_err(|error| error.to_string())?;
         Ok(layer)
     }

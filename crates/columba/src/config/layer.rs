@@ -32,7 +32,13 @@ impl Layer {
     pub(super) fn of_file(source: &Source, path: &str, subject: &str, table: &Table) -> Option<Self> {
         let document = Document::parse(source.text().to_owned()).ok()?;
         let table = movable(table);
-        Some(Self { file: Some(source.name().to_owned()), subject: subject.to_owned(), document, path: path.to_owned(), table })
+        Some(Self {
+            file: Some(source.name().to_owned()),
+            subject: subject.to_owned(),
+            document,
+            path: path.to_owned(),
+            table,
+        })
     }
 
     /// Where it sets a key of a scenario, if it does.
@@ -67,8 +73,7 @@ pub(super) fn lay(ground: &Source, layers: &[&Layer]) -> Source {
     }
     let table = Table::new();
     let subject = format!("with {}", last.subject);
-    let ground_layer =
-        Layer { file: Some(ground.name().to_owned()), subject, document, path: String::new(), table };
+    let ground_layer = Layer { file: Some(ground.name().to_owned()), subject, document, path: String::new(), table };
     let uppermost_first = layers.iter().rev().copied().cloned().chain([ground_layer]).collect();
     Source::layered(ground.name(), merged.to_string(), uppermost_first)
 }

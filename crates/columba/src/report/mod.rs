@@ -6,7 +6,7 @@ pub mod figures;
 mod html;
 mod png;
 #[cfg(test)]
-mod sample;
+pub(crate) mod sample;
 mod svg;
 mod words;
 
