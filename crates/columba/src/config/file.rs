@@ -23,6 +23,8 @@ pub struct ScenarioFile {
     /// The circles.
     #[serde(default, rename = "obstacle")]
     pub obstacle: Vec<ObstacleTable>,
+    /// Or circles at random.
+    pub obstacles: Option<ObstaclesTable>,
     /// The flocking law (Eq. 4-12).
     #[serde(default)]
     pub law: LawSettings,
@@ -161,6 +163,15 @@ pub struct PatternTable {
     pub speed_mps: Option<f64>,
     /// Degrees from north towards east; the expected one where absent.
     pub course_deg: Option<f64>,
+    /// Each altitude differs from that by up to so much, at random by the seed, m.
+    #[serde(default)]
+    pub altitude_spread_m: f64,
+    /// The same of speeds, m/s.
+    #[serde(default)]
+    pub speed_spread_mps: f64,
+    /// The same of courses, degrees.
+    #[serde(default)]
+    pub course_spread_deg: f64,
 }
 
 fn twelve() -> f64 {
@@ -178,6 +189,9 @@ impl PatternTable {
         altitude_m: None,
         speed_mps: None,
         course_deg: None,
+        altitude_spread_m: 0.0,
+        speed_spread_mps: 0.0,
+        course_spread_deg: 0.0,
     };
 }
 
@@ -207,6 +221,58 @@ pub struct ObstacleTable {
     /// Radius, m.
     pub radius_m: f64,
 }
+
+/// Circles at random, by the scenario's seed.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstaclesTable {
+    /// How many.
+    pub count: usize,
+    /// Least radius, m.
+    #[serde(default = "ObstaclesTable::radius_min_m")]
+    pub radius_min_m: f64,
+    /// Greatest radius, m.
+    #[serde(default = "ObstaclesTable::radius_max_m")]
+    pub radius_max_m: f64,
+    /// Least distance between two edges, m.
+    #[serde(default = "ObstaclesTable::gap_m")]
+    pub gap_m: f64,
+    /// Southernmost centre, m.
+    #[serde(default = "ObstaclesTable::x_min_m")]
+    pub x_min_m: f64,
+    /// Northernmost centre, m.
+    #[serde(default = "ObstaclesTable::x_max_m")]
+    pub x_max_m: f64,
+    /// Westernmost centre, m.
+    #[serde(default = "ObstaclesTable::y_min_m")]
+    pub y_min_m: f64,
+    /// Easternmost centre, m.
+    #[serde(default = "ObstaclesTable::y_max_m")]
+    pub y_max_m: f64,
+}
+
+/// One function for each default, as serde asks for it.
+macro_rules! defaults {
+    ($table:ident { $($key:ident: $value:expr),+ $(,)? }) => {
+        impl $table {
+            /// One circle.
+            pub const DEFAULT: Self = Self { count: 1, $($key: $value),+ };
+            $(fn $key() -> f64 {
+                Self::DEFAULT.$key
+            })+
+        }
+    };
+}
+
+defaults!(ObstaclesTable {
+    radius_min_m: 4.0,
+    radius_max_m: 14.0,
+    gap_m: 14.0,
+    x_min_m: 60.0,
+    x_max_m: 330.0,
+    y_min_m: -50.0,
+    y_max_m: 50.0,
+});
 
 /// Eq. 1 and 3.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]

@@ -6,6 +6,7 @@ mod check;
 mod contender;
 mod file;
 mod layer;
+mod obstacles;
 mod patterns;
 mod preset;
 mod provenance;
@@ -67,11 +68,16 @@ fn tables(source: Source, overrides: &Overrides) -> Result<(ScenarioFile, Proven
     Ok((file, provenance))
 }
 
-/// What flies, every start of which is free.
-fn scenario(file: ScenarioFile, provenance: Provenance) -> Result<Scenario, ConfigError> {
+/// What flies with the file's seed: everything random has its place, and every start is free.
+fn scenario(mut file: ScenarioFile, provenance: Provenance) -> Result<Scenario, ConfigError> {
     let by_pattern = file.vehicles.is_some();
-    let scenario = Scenario::new(file, provenance);
     let mut faults = check::Faults::default();
+    if let Some(table) = file.obstacles {
+        file.obstacle = obstacles::scatter(&table, file.scenario.seed);
+        check::scattered(&table, file.obstacle.len(), &mut faults);
+        provenance.refuse(&faults)?;
+    }
+    let scenario = Scenario::new(file, provenance);
     check::starts(&scenario, by_pattern, &mut faults);
     scenario.provenance.refuse(&faults)?;
     Ok(scenario)
