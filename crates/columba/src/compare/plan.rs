@@ -2,8 +2,7 @@
 
 use crate::config::{ConfigError, Contender, Entry, Layer, Scenario};
 use optimizer::OptimizerSettings;
-use siphasher::sip128::{Hasher128, SipHasher13};
-use std::hash::Hasher;
+use siphasher::sip128::SipHasher13;
 use std::path::PathBuf;
 
 /// The flights of a comparison, in the order scenario, contender, seed.
@@ -16,8 +15,8 @@ pub struct Plan {
     pub seeds: Vec<u64>,
     /// By scenario, then contender.
     entries: Vec<Entry>,
-    /// What decides the flights of each entry, but for the seed.
-    identities: Vec<String>,
+    /// A hash of all that decides the flights of each entry, but for the seed.
+    identities: Vec<u128>,
 }
 
 /// A flight of a plan.
@@ -78,7 +77,7 @@ impl Plan {
         let program = program();
         let identities = entries
             .iter()
-            .map(|entry| Ok(format!("{program}\n{}", entry.identity()?)))
+            .map(|entry| Ok(hash(format!("{program}\n{}", entry.identity()?).as_bytes())))
             .collect::<Result<_, serde_json::Error>>()?;
         let plan = Self { contenders, scenarios, seeds: seeds.to_vec(), entries, identities };
         // Whatever will not fly is told before the first flight, not after an hour.
@@ -94,7 +93,7 @@ impl Plan {
         (0..self.entries.len() * self.seeds.len()).map(move |index| {
             let (entry, seed) = (index / seeds, self.seeds[index % seeds]);
             let (scenario, contender) = (entry / self.contenders.len(), entry % self.contenders.len());
-            Planned { scenario, contender, seed, key: key(&self.identities[entry], seed) }
+            Planned { scenario, contender, seed, key: key(self.identities[entry], seed) }
         })
     }
 
@@ -117,18 +116,21 @@ fn repeated(names: &[String]) -> Option<String> {
     names.iter().enumerate().find(twice).map(|(_, name)| name.clone())
 }
 
-fn key(identity: &str, seed: u64) -> String {
-    let mut hasher = SipHasher13::new();
-    hasher.write(identity.as_bytes());
-    hasher.write(&seed.to_le_bytes());
-    format!("{:032x}", hasher.finish128().as_u128())
+fn key(identity: u128, seed: u64) -> String {
+    let bytes = [&identity.to_le_bytes()[..], &seed.to_le_bytes()].concat();
+    format!("{:032x}", hash(&bytes))
+}
+
+/// The same on every platform and with every version of the compiler, as a journal needs it.
+fn hash(bytes: &[u8]) -> u128 {
+    SipHasher13::new().hash(bytes).as_u128()
 }
 
 /// The program that flies: its version, and a hash of its bytes where they can be read, so that whoever changes an
 /// optimiser and builds anew does not get the flights of the old one.
 fn program() -> String {
     let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
-    format!("{} {:032x}", env!("CARGO_PKG_VERSION"), SipHasher13::new().hash(&bytes).as_u128())
+    format!("{} {:032x}", env!("CARGO_PKG_VERSION"), hash(&bytes))
 }
 
 #[cfg(test)]

@@ -69,7 +69,8 @@ pub fn draw(plan: &Plan, seed: u64, crew: &Crew) -> anyhow::Result<Option<Vec<Pi
 
 fn picture(plan: &Plan, scenario: usize, contender: usize, flight: &Flight, file: &str) -> Picture {
     let summary = &flight.summary;
-    let in_paper = PAPER_FIGURES.iter().find(|(algorithm, _)| *algorithm == summary.algorithm);
+    let is_paper = words::in_the_paper(&plan.scenarios[scenario], &summary.algorithm).is_some();
+    let in_paper = PAPER_FIGURES.iter().find(|(algorithm, _)| is_paper && *algorithm == summary.algorithm);
     let in_paper = in_paper.map(|(_, figure)| format!(", as in the paper's {figure}")).unwrap_or_default();
     let drawing = |(part, title, draw): (&str, &'static str, Draw)| {
         let file = format!("{file}-{part}");
@@ -119,7 +120,7 @@ pub fn write(
 }
 
 fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture]) -> String {
-    let title = format!("{} of {}", plan.contenders.join(", "), plan.scenarios.join(", "));
+    let title = format!("Comparison on {}", plan.scenarios.join(", "));
     let sections = outcomes.iter().enumerate().map(|(scenario, outcome)| {
         let of_scenario = pictures.iter().filter(|picture| picture.scenario == scenario);
         section(outcome, of_scenario)
@@ -130,7 +131,7 @@ fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture]) -> String {
             ("title", &escape(&title)),
             ("css", CSS),
             ("compare-css", COMPARE_CSS),
-            ("subtitle", &escape(&table::headline(plan))),
+            ("subtitle", &escape(&format!("{} {}.", table::headline(plan), plan.contenders.join(", ")))),
             ("sections", &sections.collect::<String>()),
             ("version", env!("CARGO_PKG_VERSION")),
         ],

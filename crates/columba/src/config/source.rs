@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 use toml_edit::{Array, ArrayOfTables, Document, DocumentMut, Item, TableLike, Value};
 
 /// What is wrong with a scenario: one line for each fault, which names file, line, key, value and what would be right.
@@ -27,7 +28,7 @@ pub struct Source {
     name: String,
     text: String,
     /// Of a text that was laid together from several these, the uppermost first.
-    layers: Vec<Layer>,
+    layers: Arc<[Layer]>,
 }
 
 /// Where a key stands.
@@ -49,12 +50,12 @@ const QUOTED_CHARS_MAX: usize = 60;
 
 impl Source {
     pub fn new(name: &str, text: &str) -> Self {
-        Self { name: name.to_owned(), text: text.to_owned(), layers: Vec::new() }
+        Self { name: name.to_owned(), text: text.to_owned(), layers: Arc::from([]) }
     }
 
     /// A text that was laid together from these layers, the uppermost first.
     pub fn layered(name: &str, text: String, layers: Vec<Layer>) -> Self {
-        Self { name: name.to_owned(), text, layers }
+        Self { name: name.to_owned(), text, layers: layers.into() }
     }
 
     /// Reads a file whole, unless it is no text; `kind` is what it should be.
