@@ -13,6 +13,8 @@ pub struct Plan {
     pub scenarios: Vec<String>,
     /// The seeds.
     pub seeds: Vec<u64>,
+    /// What was laid over the scenarios as TOML, and who laid it: for all contenders, if anything, then each.
+    pub laid: Vec<(String, String)>,
     /// By scenario, then contender.
     entries: Vec<Entry>,
     /// A hash of all that decides the flights of each entry, but for the seed.
@@ -31,6 +33,9 @@ pub struct Planned {
     /// A hash of everything that decides the flight: flights of one key are the same flight.
     pub key: String,
 }
+
+/// Who lays what the command line changes.
+const ALL: &str = "all contenders";
 
 /// Why there is nothing to compare.
 #[derive(Debug, thiserror::Error)]
@@ -67,6 +72,10 @@ impl Plan {
         }
         let names = |of: &[Entry]| of.iter().map(|entry| entry.name().to_owned()).collect::<Vec<_>>();
         let scenarios: Vec<String> = names(&entries).into_iter().step_by(contenders.len().max(1)).collect();
+        let for_all: Vec<String> = changes.iter().map(Layer::toml).collect();
+        let for_all = (!for_all.is_empty()).then(|| (ALL.to_owned(), for_all.join("\n")));
+        let by_each = contenders.iter().map(|contender| (contender.name.clone(), contender.toml()));
+        let laid = for_all.into_iter().chain(by_each).collect();
         let contenders: Vec<String> = contenders.iter().map(|contender| contender.name.clone()).collect();
         if let Some(name) = repeated(&scenarios) {
             return Err(PlanError::SameScenario(name));
@@ -79,7 +88,7 @@ impl Plan {
             .iter()
             .map(|entry| Ok(hash(format!("{program}\n{}", entry.identity()?).as_bytes())))
             .collect::<Result<_, serde_json::Error>>()?;
-        let plan = Self { contenders, scenarios, seeds: seeds.to_vec(), entries, identities };
+        let plan = Self { contenders, scenarios, seeds: seeds.to_vec(), laid, entries, identities };
         // Whatever will not fly is told before the first flight, not after an hour.
         for planned in plan.flights() {
             plan.scenario(planned.scenario, planned.contender, planned.seed)?;

@@ -133,6 +133,7 @@ fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture]) -> String {
             ("compare-css", COMPARE_CSS),
             ("subtitle", &escape(&format!("{} {}.", table::headline(plan), plan.contenders.join(", ")))),
             ("sections", &sections.collect::<String>()),
+            ("laid", &plan.laid.iter().map(laid).collect::<String>()),
             ("version", env!("CARGO_PKG_VERSION")),
         ],
     )
@@ -144,6 +145,12 @@ fn section<'a>(outcome: &Outcome<'_>, pictures: impl Iterator<Item = &'a Picture
     let times = of_table(&words::times(outcome), " class=\"times\"");
     let pictures: String = pictures.map(of_picture).collect();
     format!("<section>\n  <h2>Scenario {name}</h2>\n{tables}{times}{pictures}</section>\n")
+}
+
+/// What was laid over the scenarios, and by whom.
+fn laid((who, toml): &(String, String)) -> String {
+    let toml = if toml.is_empty() { table::NOTHING } else { toml };
+    format!("  <h3>{}</h3>\n  <pre>{}</pre>\n", escape(who), escape(toml))
 }
 
 fn of_table(table: &Table, class: &str) -> String {

@@ -6,6 +6,9 @@ use super::statistics::Interval;
 use super::words::{self, Table};
 use serde_json::{Map, Value, json};
 
+/// What a contender lays over a scenario that it flies as it is.
+pub const NOTHING: &str = "# nothing: the scenario as it is";
+
 /// `table.md`.
 pub fn markdown(plan: &Plan, outcomes: &[Outcome<'_>]) -> String {
     let mut text = format!("# Comparison\n\n{}\n", headline(plan));
@@ -14,6 +17,11 @@ pub fn markdown(plan: &Plan, outcomes: &[Outcome<'_>]) -> String {
         for table in words::tables(outcome) {
             text += &of_table(&table);
         }
+    }
+    text += "\n## Settings\n\nWhat was laid over the scenarios.\n";
+    for (who, toml) in &plan.laid {
+        let toml = if toml.is_empty() { NOTHING } else { toml };
+        text += &format!("\n### {who}\n\n```toml\n{toml}\n```\n");
     }
     text
 }
@@ -63,7 +71,9 @@ pub fn json(plan: &Plan, outcomes: &[Outcome<'_>]) -> Result<String, serde_json:
             json!({ "scenario": outcome.scenario, "contenders": standings, "tests": tests })
         })
         .collect();
+    let laid: Vec<Value> = plan.laid.iter().map(|(who, toml)| json!({ "for": who, "toml": toml })).collect();
     let table = json!({
+        "settings": laid,
         "version": env!("CARGO_PKG_VERSION"),
         "seeds": plan.seeds,
         "reference": plan.contenders.first(),
@@ -168,6 +178,7 @@ mod tests {
         assert_eq!(line("one")[1..5], ["24.00 [21.00, 27.00]", "37.00", "30.00 [30.00, 30.00]", "33.75"]);
         assert!(text.contains("| two \\| three | > T_max [> T_max, > T_max] |"), "{text}");
         assert!(text.contains("T_max = 42 s"), "{text}");
+        assert!(text.ends_with("### two | three\n\n```toml\noptimizer.algorithm = \"mpio\"\n```\n"), "{text}");
         assert!(!text.contains("solve, median"), "wall times are not for this file");
         let widths: Vec<usize> =
             text.lines().filter(|line| line.starts_with("| ")).map(|line| line.chars().count()).collect();

@@ -37,6 +37,11 @@ impl Contender {
         let layer = Layer::of_flag(&format!("contender \"{name}\""), &toml).ok()?;
         Some(Self { name: name.to_owned(), layer })
     }
+
+    /// What it lays over a scenario, as TOML.
+    pub fn toml(&self) -> String {
+        self.layer.toml()
+    }
 }
 
 /// Reads a file of `[[contender]]` tables, in their order.

@@ -41,6 +41,11 @@ impl Layer {
         })
     }
 
+    /// What it sets, as TOML.
+    pub fn toml(&self) -> String {
+        DocumentMut::from(self.table.clone()).to_string().trim().to_owned()
+    }
+
     /// Where it sets a key of a scenario, if it does.
     pub(super) fn find(&self, key: &str) -> Option<Found> {
         let full = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
