@@ -133,7 +133,7 @@ fn two_sided(z: f64) -> f64 {
 
 /// The references were made with SciPy 1.17.1: `binomtest(k, n).proportion_ci(0.95, 'wilson')`,
 /// `quantile_test(x, p=0.5).confidence_interval(0.95)` and `mannwhitneyu(x, y, method='asymptotic',
-/// use_continuity=True)`; those of Holm's with R's `p.adjust(p, "holm")` by hand.
+/// use_continuity=True)`; those of Holm's by hand.
 #[cfg(test)]
 mod tests {
     use super::*;
