@@ -1,11 +1,13 @@
 //! The subcommands.
 
 mod check;
+mod compare;
 mod fly;
 mod run;
 mod vehicles;
 
 pub use check::check;
+pub use compare::compare;
 pub use fly::fly;
 pub use run::run;
 pub use vehicles::vehicles;
