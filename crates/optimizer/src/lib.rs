@@ -55,6 +55,7 @@ pub mod selection;
 mod slpio;
 mod stream;
 pub mod suites;
+mod variation;
 
 pub use mpio::{Mpio, MpioSettings};
 pub use mslpio::{Mslpio, MslpioSettings};
