@@ -1,7 +1,9 @@
 //! The command line.
 
 use crate::config::{COUNT_MAX, DURATION_MAX_S, Overrides, Preset, SHARE_MAX};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use optimizer::Algorithm;
 use std::path::PathBuf;
 
 /// Flies a flock of UAVs over MAVLink: simulated vehicles, a ground controller that runs MSLPIO, and reports.
@@ -164,6 +166,9 @@ pub struct FlightArgs {
     /// Which reading of the paper to start from; the file's tables then change it.
     #[arg(long, value_enum)]
     pub preset: Option<Preset>,
+    /// Who picks the weights.
+    #[arg(long, value_name = "NAME", value_parser = algorithm())]
+    pub optimizer: Option<Algorithm>,
     /// Flight time in seconds, at least one control period; the last period is flown whole.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
     pub duration: Option<f64>,
@@ -196,6 +201,7 @@ impl FlightArgs {
         Overrides {
             seed: self.seed,
             preset: self.preset,
+            algorithm: self.optimizer,
             duration_s: self.duration,
             folder: self.out.clone(),
             ground_port: self.ground_port,
@@ -203,6 +209,14 @@ impl FlightArgs {
             ..Overrides::default()
         }
     }
+}
+
+/// An optimiser by its key.
+pub fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
+    let keys = PossibleValuesParser::new(Algorithm::ALL.iter().map(|algorithm| algorithm.key()));
+    keys.try_map(|key| {
+        Algorithm::ALL.iter().copied().find(|algorithm| algorithm.key() == key).ok_or("no such optimiser")
+    })
 }
 
 fn speed(text: &str) -> Result<f64, String> {

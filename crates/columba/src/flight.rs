@@ -148,6 +148,14 @@ pub struct Summary {
     pub course_convergence_s: Option<f64>,
     /// From when on every vehicle kept its altitude, s.
     pub altitude_settling_s: Option<f64>,
+    /// How much a vehicle's speed changed in all, up and down; the mean over the flock, m/s.
+    pub speed_variation_mps: f64,
+    /// How much a vehicle turned in all, left and right; the mean over the flock, rad.
+    pub course_variation_rad: f64,
+    /// How far vehicles were from the flock's centre; the mean over the flock and the flight, m.
+    pub flock_radius_m: f64,
+    /// The same at the end of the flight, m.
+    pub flock_radius_end_m: f64,
     /// Median wall time of one vehicle's solve, us.
     #[serde(deserialize_with = "null_is_nan")]
     pub solve_us_p50: f64,

@@ -1,5 +1,6 @@
 //! Who came too near to whom: judged at every integration step, in the horizontal plane, as the paper's distances are.
 
+use crate::smoothness::Smoothness;
 use controller::{Expected, Obstacle};
 use flight_model::{State, wrap_pi};
 
@@ -53,6 +54,8 @@ pub struct Verdict {
     pub course_convergence_s: Option<f64>,
     /// The same of altitude.
     pub altitude_settling_s: Option<f64>,
+    /// How calmly and how closely the flock flew.
+    pub smoothness: Smoothness,
     /// The first collision, in words.
     pub failure: Option<String>,
 }
@@ -99,6 +102,8 @@ impl Judge {
         };
         let tracks: Vec<Vec<State>> = starts.iter().map(|start| vec![*start]).collect();
         judge.interval(0.0, 0.0, &tracks);
+        // The start is where the flight begins and no step of it.
+        judge.verdict.smoothness = Smoothness::default();
         judge
     }
 
@@ -112,6 +117,9 @@ impl Judge {
             self.judge_pairs(tracks, step, at_s, &mut minima);
             self.judge_obstacles(tracks, step, at_s, &mut minima);
             self.judge_convergence(tracks, step, at_s);
+            let before = |vehicle: usize| if step > 0 { &tracks[vehicle][step - 1] } else { &self.last[vehicle] };
+            let states = tracks.iter().enumerate().map(|(vehicle, track)| (before(vehicle), &track[step]));
+            self.verdict.smoothness.step(states);
         }
         if steps > 0 {
             self.last = tracks.iter().map(|track| track[steps - 1]).collect();

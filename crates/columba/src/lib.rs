@@ -9,3 +9,4 @@ pub mod flying;
 pub mod judge;
 pub mod record;
 pub mod report;
+pub mod smoothness;

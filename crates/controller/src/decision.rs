@@ -2,7 +2,7 @@
 
 use crate::{ControllerSettings, Expected, Obstacle};
 use flight_model::{Dynamics, Setpoint};
-use optimizer::MslpioSettings;
+use optimizer::OptimizerSettings;
 use std::time::Duration;
 
 /// What a flock needs to know before its first tick.
@@ -11,7 +11,7 @@ pub struct FlockSettings {
     /// The flocking law, its weights and look-ahead.
     pub controller: ControllerSettings,
     /// The optimiser that picks the weights.
-    pub optimizer: MslpioSettings,
+    pub optimizer: OptimizerSettings,
     /// Key of every random number, with the vehicle's index and the tick.
     pub seed: u64,
     /// T, s.
@@ -29,7 +29,7 @@ impl FlockSettings {
     pub fn new(expected: Expected) -> Self {
         Self {
             controller: ControllerSettings::default(),
-            optimizer: MslpioSettings::default(),
+            optimizer: OptimizerSettings::default(),
             seed: 1,
             control_period_s: 0.5,
             expected,

@@ -1,4 +1,4 @@
-//! One vehicle's part of a tick: what it sees, the weights that MSLPIO picks for it, and the command that follows.
+//! One vehicle's part of a tick: what it sees, the weights that the optimiser picks for it, and the command that follows.
 
 use crate::command::Commander;
 use crate::evasion::evade;
@@ -12,7 +12,7 @@ use crate::vector::Vec2;
 use crate::{Decision, FlockSettings, Obstacle, WeightKind, steering};
 use flight_model::{Setpoint, State, wrap_pi};
 use optimizer::selection::nearest_to_ideal;
-use optimizer::{Bounds, Mslpio, Optimizer, SettingsError, Stream, stream};
+use optimizer::{Bounds, Optimizer, SettingsError, Stream, stream};
 use std::time::Duration;
 
 /// The flock around a vehicle at one tick.
@@ -27,7 +27,7 @@ pub struct Surroundings<'a> {
 pub struct Pilot {
     look_ahead: LookAhead,
     commander: Commander,
-    optimizer: Mslpio,
+    optimizer: Box<dyn Optimizer>,
     bounds: Vec<Bounds>,
     last_weights: Option<[f64; 3]>,
     sight: Sight,
@@ -56,7 +56,7 @@ impl Pilot {
         Ok(Self {
             look_ahead: LookAhead::new(&controller.law, &controller.look_ahead, dynamics, *control_period_s),
             commander: Commander::new(&controller.law, dynamics, *control_period_s),
-            optimizer: Mslpio::new(settings.optimizer)?,
+            optimizer: settings.optimizer.build()?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
             sight: Sight::default(),
@@ -85,7 +85,7 @@ impl Pilot {
             bounds: &self.bounds,
             flights: &mut self.flights,
         };
-        let choice = pick_weights(&mut self.optimizer, &mut problem, self.last_weights, &mut rng);
+        let choice = pick_weights(self.optimizer.as_mut(), &mut problem, self.last_weights, &mut rng);
         let solve = clock().saturating_sub(started);
         self.last_weights = Some(choice.weights);
         let sight = &self.sight;
@@ -179,7 +179,7 @@ struct Choice {
 
 /// Algorithm 2, line 5: the member of the Pareto front that is nearest to the ideal (reading 12).
 fn pick_weights(
-    optimizer: &mut Mslpio,
+    optimizer: &mut dyn Optimizer,
     problem: &mut WeightProblem<'_>,
     last: Option<[f64; 3]>,
     rng: &mut Stream,

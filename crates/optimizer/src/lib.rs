@@ -40,6 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod algorithm;
 pub mod archive;
 pub mod crowding;
 pub mod dominance;
@@ -55,8 +56,10 @@ pub mod selection;
 mod slpio;
 mod stream;
 pub mod suites;
+mod sum;
 mod variation;
 
+pub use algorithm::{Algorithm, OptimizerSettings};
 pub use mpio::{Mpio, MpioSettings};
 pub use mslpio::{Mslpio, MslpioSettings};
 pub use nsga2::{Nsga2, Nsga2Settings};

@@ -15,6 +15,7 @@
 //! whose text was not at hand. All else (sorting, archive, centre, who leaves, limits) is as in [`crate::Mslpio`].
 
 use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
 
 use crate::flock::ParetoFlock;
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
@@ -23,7 +24,8 @@ use crate::problem::{Bounds, Problem, clamp};
 use crate::stream::Stream;
 
 /// The parameters of MPIO. What it shares with MSLPIO is set as there, so that both spend the same 651 evaluations.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct MpioSettings {
     /// N, the pigeons of the first generation, from 1 to 1000000.
     pub population: usize,

@@ -1,6 +1,7 @@
 //! Multi-objective social learning pigeon-inspired optimisation: Algorithm 1, Eq. 13 and 16-18 of Ruan and Duan.
 
 use rand::RngExt;
+use serde::{Deserialize, Serialize};
 
 use crate::flock::ParetoFlock;
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
@@ -9,13 +10,17 @@ use crate::problem::{Bounds, Problem, clamp};
 use crate::stream::Stream;
 
 /// The parameters of Algorithm 1. The defaults are the paper's where it gives one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct MslpioSettings {
     /// M of Eq. 13: pigeons, but for one more per five dimensions. At least 1. The paper: 50.
     pub base_population: usize,
     /// D of Eq. 13, c1 and c2, from 1 to `base_population`. The paper says 5 for its factor of fewer dimensions, so it is a
     /// setting and not the problem's number of dimensions.
     pub dimension_setting: usize,
+    /// Whether each pigeon learns from a model of its own, which is the paper's social learning. If not, one leader is drawn from the
+    /// archive at each iteration for all, as MPIO does it: a setting for those who ask what social learning is worth.
+    pub social_learning: bool,
     /// The social coefficient a of c2, at least 0. The paper: 0.5.
     pub social_coefficient: f64,
     /// The map and compass factor R, from 0 to 1: how fast velocities decay. The paper: 0.3.
@@ -39,6 +44,7 @@ impl Default for MslpioSettings {
         Self {
             base_population: 50,
             dimension_setting: 5,
+            social_learning: true,
             social_coefficient: 0.5,
             map_and_compass_factor: 0.3,
             iterations: 20,
@@ -163,8 +169,10 @@ impl Mslpio {
         self.draws.resize(pigeons * (1 + 2 * bounds.len()), 0);
         rng.fill(&mut self.draws[..]);
         let (models, factors) = self.draws.split_at(pigeons);
+        let leader = models.first().copied().unwrap_or_default();
         self.x_model.resize(pigeons * bounds.len(), 0.0);
         for (pigeon, &model) in models.iter().enumerate() {
+            let model = if self.settings.social_learning { model } else { leader };
             let member = self.flock.archive.member(pick(self.flock.archive.len(), model));
             for (dimension, &coordinate) in member.iter().enumerate() {
                 self.x_model[dimension * pigeons + pigeon] = coordinate;
@@ -263,6 +271,21 @@ mod tests {
                 assert!((mslpio.flock.velocities[d * pigeons + i] - v).abs() < 1e-12);
                 assert!((mslpio.flock.swarm.coordinate(d)[i] - x).abs() < 1e-12);
             }
+        }
+    }
+
+    #[test]
+    fn without_social_learning_all_learn_from_one_leader() {
+        let mut problem = Plane([Bounds::new(-1.0, 1.0), Bounds::new(0.0, 10.0)]);
+        for social_learning in [true, false] {
+            let settings = MslpioSettings { social_learning, ..MslpioSettings::default() };
+            let mut mslpio = Mslpio::new(settings).expect("in range");
+            mslpio.initialise(&problem, &mut stream(1, 2, 3)).expect("solvable");
+            mslpio.flock.judge(&mut problem);
+            assert!(mslpio.flock.archive.len() > 1, "one model is as good as another");
+            mslpio.fly(1, problem.bounds(), &mut stream(7, 8, 9));
+            let models = &mslpio.x_model[..51];
+            assert_eq!(models.iter().all(|model| *model == models[0]), !social_learning);
         }
     }
 

@@ -1,6 +1,7 @@
 //! NSGA-II: Deb, Pratap, Agarwal and Meyarivan, "A fast and elitist multiobjective genetic algorithm: NSGA-II", 2002.
 
 use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
 
 use crate::archive::Archive;
 use crate::crowding::Crowding;
@@ -12,7 +13,8 @@ use crate::stream::Stream;
 use crate::variation::{Crossover, Mutation};
 
 /// The parameters of NSGA-II. Rates and distribution indices are those of Deb et al., section IV.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Nsga2Settings {
     /// N, parents as well as offspring of a generation; even, from 2 to 1000000. The default, 50, with 12 generations, is 650
     /// evaluations: as near as pairs come to the 651 of the pigeon-inspired optimisers.

@@ -19,8 +19,7 @@ pub trait Optimizer: Send {
     /// enters the front.
     ///
     /// # Errors
-    /// The problem or the seeds make no sense, the problem has more objectives than the optimiser minimises, or every
-    /// candidate of the first generation is refused.
+    /// The problem or the seeds make no sense, or every candidate of the first generation is refused.
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError>;
 }
 
@@ -33,12 +32,6 @@ pub enum OptimizeError {
     /// Nothing to minimise.
     #[error("the problem has no objectives")]
     NoObjectives,
-    /// More than a single-objective optimiser minimises.
-    #[error("the problem has {objectives} objectives, and a single-objective optimiser minimises one")]
-    SeveralObjectives {
-        /// How many it has.
-        objectives: usize,
-    },
     /// An interval is empty, or an end or its length is not finite.
     #[error("dimension {dimension} cannot be searched from {lower} to {upper}")]
     InvalidBounds {

@@ -1,16 +1,19 @@
 //! Social learning pigeon-inspired optimisation of one objective, in two stages: Eq. 13-15 of Ruan and Duan.
 
 use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
 
 use crate::flock::{ParetoFlock, mean};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
 use crate::stream::Stream;
+use crate::sum::SumOfObjectives;
 
 /// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not say how long each stage is: the
 /// default is three quarters and one quarter of 12 iterations, and 651 evaluations like the other pigeon-inspired optimisers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct SlpioSettings {
     /// M of Eq. 13, from 1 to 1000000. The paper: 50.
     pub base_population: usize,
@@ -116,7 +119,8 @@ impl SlpioSettings {
     }
 }
 
-/// The optimiser. It refuses a problem of several objectives; its front has one member, the best candidate of all it judged.
+/// The optimiser. Of a problem of several objectives it minimises the sum. Its front has one member, the best candidate of all that
+/// it judged, and one objective.
 ///
 /// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now (by
 /// violation, then cost), so the best pigeons, who have none, stay where they are, as in the SL-PSO of Cheng and Jin; `rand`
@@ -129,6 +133,8 @@ pub struct Slpio {
     demonstrators: Vec<u32>,
     x_model: Vec<f64>,
     draws: Vec<u32>,
+    /// What a problem of several objectives says of each.
+    objectives: Vec<f64>,
 }
 
 /// In place of a demonstrator, of a pigeon to whom nobody is superior.
@@ -144,6 +150,7 @@ impl Slpio {
             demonstrators: Vec::new(),
             x_model: Vec::new(),
             draws: Vec::new(),
+            objectives: Vec::new(),
         })
     }
 
@@ -161,9 +168,6 @@ impl Slpio {
         }
         self.x_model.clear();
         self.x_model.reserve(pigeons);
-        if problem.objectives() > 1 {
-            return Err(OptimizeError::SeveralObjectives { objectives: problem.objectives() });
-        }
         Ok(())
     }
 
@@ -219,6 +223,24 @@ impl Slpio {
         }
     }
 
+    /// Both stages, one after the other.
+    fn solve(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<(), OptimizeError> {
+        self.initialise(problem, rng)?;
+        self.flock.judge(problem);
+        if self.flock.archive.is_empty() {
+            return Err(OptimizeError::NoFiniteCandidate);
+        }
+        for nc in 1..=self.settings.map_and_compass_iterations {
+            self.learn(nc, problem.bounds(), rng);
+            self.flock.judge(problem);
+        }
+        for _ in 0..self.settings.landmark_iterations {
+            self.approach_center(problem.bounds(), rng);
+            self.flock.judge(problem);
+        }
+        Ok(())
+    }
+
     fn draw(&mut self, count: usize, rng: &mut Stream) {
         self.draws.resize(count, 0);
         rng.fill(&mut self.draws[..]);
@@ -235,19 +257,11 @@ impl Optimizer for Slpio {
     }
 
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
-        self.initialise(problem, rng)?;
-        self.flock.judge(problem);
-        if self.flock.archive.is_empty() {
-            return Err(OptimizeError::NoFiniteCandidate);
-        }
-        for nc in 1..=self.settings.map_and_compass_iterations {
-            self.learn(nc, problem.bounds(), rng);
-            self.flock.judge(problem);
-        }
-        for _ in 0..self.settings.landmark_iterations {
-            self.approach_center(problem.bounds(), rng);
-            self.flock.judge(problem);
-        }
+        // Lent to the problem, as the flock is to change beside it.
+        let mut objectives = std::mem::take(&mut self.objectives);
+        let solved = self.solve(&mut SumOfObjectives { problem, objectives: &mut objectives }, rng);
+        self.objectives = objectives;
+        solved?;
         Ok(self.flock.front())
     }
 }

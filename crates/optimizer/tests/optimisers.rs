@@ -143,11 +143,26 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing_behind() {
         assert_eq!(refused(&[(0.0, 1.0); 2], objectives, &[0.5; 3], 0.0), Some(length));
         assert_eq!(refused(&[(0.0, 1.0)], objectives, &[f64::NAN], 0.0), Some(OptimizeError::SeedNotFinite));
         assert_eq!(refused(&[(0.0, 1.0)], objectives, &[], f64::NAN), Some(OptimizeError::NoFiniteCandidate));
-        if most == 1 {
-            let several = OptimizeError::SeveralObjectives { objectives: 2 };
-            assert_eq!(refused(&[(0.0, 1.0)], 2, &[0.5], 0.0), Some(several));
-        }
     }
+}
+
+#[test]
+fn the_single_objective_optimiser_minimises_the_sum_of_several() {
+    let mut slpio = Slpio::new(SlpioSettings::default()).expect("in range");
+    // (x - 0.2)^2 + (x - 0.8)^2 + x has its least value at x = 0.25.
+    let mut several = Pointwise::new(&[(0.0, 1.0)], 3, |x, costs| {
+        costs.copy_from_slice(&[(x[0] - 0.2) * (x[0] - 0.2), (x[0] - 0.8) * (x[0] - 0.8), x[0]]);
+        0.0
+    });
+    let front = slpio.minimise(&mut several, &mut stream(1, 0, 0)).expect("solvable");
+    assert_eq!((front.len(), front.objectives()), (1, 1));
+    assert!((front.position(0, 0) - 0.25).abs() < 1e-3);
+    let mut forgetful = Pointwise::new(&[(0.0, 1.0)], 2, |x, costs| {
+        costs.copy_from_slice(&[x[0], f64::NAN]);
+        0.0
+    });
+    let refused = slpio.minimise(&mut forgetful, &mut stream(1, 0, 0)).err();
+    assert_eq!(refused, Some(OptimizeError::NoFiniteCandidate));
 }
 
 #[test]

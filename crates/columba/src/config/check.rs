@@ -1,7 +1,7 @@
 //! What a scenario must hold: the range of every setting, and what no single setting shows.
 
 use super::Scenario;
-use super::file::ScenarioFile;
+use super::file::{ObstaclesTable, ScenarioFile};
 use crate::judge::COLLISION_DISTANCE_M;
 use std::fmt::Display;
 
@@ -156,6 +156,11 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
         if let Some(course_deg) = pattern.course_deg {
             faults.within("vehicles.course_deg", course_deg, -360.0, 360.0);
         }
+        let speed_mps = pattern.speed_mps.unwrap_or(file.flock.expected_speed_mps);
+        let room_mps = (speed_mps - slowest).min(fastest - speed_mps);
+        faults.within("vehicles.altitude_spread_m", pattern.altitude_spread_m, 0.0, 1_000.0);
+        faults.within("vehicles.speed_spread_mps", pattern.speed_spread_mps, 0.0, room_mps);
+        faults.within("vehicles.course_spread_deg", pattern.course_spread_deg, 0.0, 180.0);
     }
     match (file.vehicle.len(), &file.vehicles) {
         (0, None) => {
@@ -169,6 +174,10 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
         (count, _) if count > COUNT_MAX => faults.add_subject("vehicle", format!("{count} vehicles"), too_many()),
         _ => {}
     }
+    obstacles(file, faults);
+}
+
+fn obstacles(file: &ScenarioFile, faults: &mut Faults) {
     if file.obstacle.len() > COUNT_MAX {
         faults.add_subject("obstacle", format!("{} obstacles", file.obstacle.len()), too_many());
     }
@@ -177,6 +186,28 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
         faults.within(key("x_m"), obstacle.x_m, -LENGTH_MAX_M, LENGTH_MAX_M);
         faults.within(key("y_m"), obstacle.y_m, -LENGTH_MAX_M, LENGTH_MAX_M);
         faults.above(key("radius_m"), obstacle.radius_m, 0.0, 10_000.0);
+    }
+    let Some(table) = &file.obstacles else { return };
+    if !file.obstacle.is_empty() {
+        let wanted = "must be either [[obstacle]] tables or one [obstacles]";
+        faults.add_subject("obstacles", "[obstacles] stands beside [[obstacle]]", wanted);
+    }
+    faults.whole("obstacles.count", table.count, 1, 1_000);
+    faults.above("obstacles.radius_min_m", table.radius_min_m, 0.0, 10_000.0);
+    faults.within("obstacles.radius_max_m", table.radius_max_m, table.radius_min_m, 10_000.0);
+    faults.within("obstacles.gap_m", table.gap_m, 0.0, 10_000.0);
+    faults.within("obstacles.x_min_m", table.x_min_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+    faults.within("obstacles.x_max_m", table.x_max_m, table.x_min_m, LENGTH_MAX_M);
+    faults.within("obstacles.y_min_m", table.y_min_m, -LENGTH_MAX_M, LENGTH_MAX_M);
+    faults.within("obstacles.y_max_m", table.y_max_m, table.y_min_m, LENGTH_MAX_M);
+}
+
+/// Whether all circles of a random field found room.
+pub fn scattered(table: &ObstaclesTable, placed: usize, faults: &mut Faults) {
+    if placed < table.count {
+        let wanted =
+            format!("at most about {placed}: there is no room for more with obstacles.gap_m = {}", table.gap_m);
+        faults.add("obstacles.count", table.count, wanted);
     }
 }
 
@@ -223,18 +254,10 @@ fn controller(file: &ScenarioFile, faults: &mut Faults) {
 }
 
 fn optimizer(file: &ScenarioFile, faults: &mut Faults) {
-    let settings = super::scenario::optimizer_settings(&file.optimizer);
-    let Err(error) = settings.validate() else { return };
-    let wanted = match (error.setting, error.range) {
-        ("removed_per_iteration", _) => {
-            let (pigeons, iterations) = (settings.population(), settings.iterations);
-            let most = pigeons.saturating_sub(1) / iterations.max(1);
-            format!("at most {most}, so that of {pigeons} pigeons one is left for the last of {iterations} iterations")
-        }
-        (_, range) if range.starts_with("from") => format!("a number {range}"),
-        (_, range) => range.to_owned(),
-    };
-    faults.add(format!("optimizer.{}", error.setting), error.value, wanted);
+    let Err((algorithm, error)) = file.optimizer.validate() else { return };
+    let wanted =
+        if error.range.starts_with("from") { format!("a number {}", error.range) } else { error.range.to_owned() };
+    faults.add(format!("optimizer.{}.{}", algorithm.key(), error.setting), error.value, wanted);
 }
 
 fn dynamics(file: &ScenarioFile, faults: &mut Faults) {

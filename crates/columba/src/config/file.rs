@@ -1,6 +1,7 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
+use optimizer::OptimizerSettings;
 use serde::{Deserialize, Serialize};
 
 /// The whole file.
@@ -22,6 +23,8 @@ pub struct ScenarioFile {
     /// The circles.
     #[serde(default, rename = "obstacle")]
     pub obstacle: Vec<ObstacleTable>,
+    /// Or circles at random.
+    pub obstacles: Option<ObstaclesTable>,
     /// The flocking law (Eq. 4-12).
     #[serde(default)]
     pub law: LawSettings,
@@ -33,7 +36,7 @@ pub struct ScenarioFile {
     pub look_ahead: LookAheadSettings,
     /// Who picks the weights.
     #[serde(default)]
-    pub optimizer: OptimizerTable,
+    pub optimizer: OptimizerSettings,
     /// How vehicles fly (Eq. 1 and 3).
     #[serde(default)]
     pub dynamics: DynamicsTable,
@@ -160,6 +163,15 @@ pub struct PatternTable {
     pub speed_mps: Option<f64>,
     /// Degrees from north towards east; the expected one where absent.
     pub course_deg: Option<f64>,
+    /// Each altitude differs from that by up to so much, at random by the seed, m.
+    #[serde(default)]
+    pub altitude_spread_m: f64,
+    /// The same of speeds, m/s.
+    #[serde(default)]
+    pub speed_spread_mps: f64,
+    /// The same of courses, degrees.
+    #[serde(default)]
+    pub course_spread_deg: f64,
 }
 
 fn twelve() -> f64 {
@@ -177,6 +189,9 @@ impl PatternTable {
         altitude_m: None,
         speed_mps: None,
         course_deg: None,
+        altitude_spread_m: 0.0,
+        speed_spread_mps: 0.0,
+        course_spread_deg: 0.0,
     };
 }
 
@@ -207,55 +222,57 @@ pub struct ObstacleTable {
     pub radius_m: f64,
 }
 
-/// The optimiser; the names are those of `optimizer::MslpioSettings`.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct OptimizerTable {
-    /// Which one.
-    pub algorithm: Algorithm,
-    /// M of Eq. 13.
-    pub base_population: usize,
-    /// D of Eq. 13.
-    pub dimension_setting: usize,
-    /// The social coefficient a.
-    pub social_coefficient: f64,
-    /// The map and compass factor R.
-    pub map_and_compass_factor: f64,
-    /// N_max.
-    pub iterations: usize,
-    /// N_removed.
-    pub removed_per_iteration: usize,
-    /// Greatest velocity, as a share of each weight's range.
-    pub velocity_limit: f64,
-    /// Greatest size of the archive.
-    pub archive_capacity: usize,
+/// Circles at random, by the scenario's seed.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstaclesTable {
+    /// How many.
+    pub count: usize,
+    /// Least radius, m.
+    #[serde(default = "ObstaclesTable::radius_min_m")]
+    pub radius_min_m: f64,
+    /// Greatest radius, m.
+    #[serde(default = "ObstaclesTable::radius_max_m")]
+    pub radius_max_m: f64,
+    /// Least distance between two edges, m.
+    #[serde(default = "ObstaclesTable::gap_m")]
+    pub gap_m: f64,
+    /// Southernmost centre, m.
+    #[serde(default = "ObstaclesTable::x_min_m")]
+    pub x_min_m: f64,
+    /// Northernmost centre, m.
+    #[serde(default = "ObstaclesTable::x_max_m")]
+    pub x_max_m: f64,
+    /// Westernmost centre, m.
+    #[serde(default = "ObstaclesTable::y_min_m")]
+    pub y_min_m: f64,
+    /// Easternmost centre, m.
+    #[serde(default = "ObstaclesTable::y_max_m")]
+    pub y_max_m: f64,
 }
 
-/// Which optimiser picks the weights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Algorithm {
-    /// Multi-objective social learning pigeon-inspired optimisation.
-    #[default]
-    Mslpio,
-}
-
-impl Default for OptimizerTable {
-    fn default() -> Self {
-        let defaults = optimizer::MslpioSettings::default();
-        Self {
-            algorithm: Algorithm::default(),
-            base_population: defaults.base_population,
-            dimension_setting: defaults.dimension_setting,
-            social_coefficient: defaults.social_coefficient,
-            map_and_compass_factor: defaults.map_and_compass_factor,
-            iterations: defaults.iterations,
-            removed_per_iteration: defaults.removed_per_iteration,
-            velocity_limit: defaults.velocity_limit,
-            archive_capacity: defaults.archive_capacity,
+/// One function for each default, as serde asks for it.
+macro_rules! defaults {
+    ($table:ident { $($key:ident: $value:expr),+ $(,)? }) => {
+        impl $table {
+            /// One circle.
+            pub const DEFAULT: Self = Self { count: 1, $($key: $value),+ };
+            $(fn $key() -> f64 {
+                Self::DEFAULT.$key
+            })+
         }
-    }
+    };
 }
+
+defaults!(ObstaclesTable {
+    radius_min_m: 4.0,
+    radius_max_m: 14.0,
+    gap_m: 14.0,
+    x_min_m: 60.0,
+    x_max_m: 330.0,
+    y_min_m: -50.0,
+    y_max_m: 50.0,
+});
 
 /// Eq. 1 and 3.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]

@@ -3,6 +3,7 @@
 
 mod check;
 mod file;
+mod obstacles;
 mod patterns;
 mod preset;
 mod provenance;
@@ -11,7 +12,7 @@ mod scenario;
 mod source;
 
 pub use check::{COUNT_MAX, DURATION_MAX_S, SHARE_MAX};
-pub use file::{Algorithm, Pattern, Preset, SetpointDialect};
+pub use file::{Pattern, Preset, SetpointDialect};
 pub use provenance::Provenance;
 pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT};
 pub use source::ConfigError;
@@ -46,6 +47,11 @@ fn parse(source: Source, overrides: &Overrides) -> Result<Scenario, ConfigError>
     let mut faults = check::Faults::default();
     check::tables(&file, &mut faults);
     provenance.refuse(&faults)?;
+    if let Some(table) = file.obstacles {
+        file.obstacle = obstacles::scatter(&table, file.scenario.seed);
+        check::scattered(&table, file.obstacle.len(), &mut faults);
+        provenance.refuse(&faults)?;
+    }
     let mut scenario = Scenario::new(file, provenance);
     check::starts(&scenario, by_pattern, &mut faults);
     scenario.provenance.refuse(&faults)?;

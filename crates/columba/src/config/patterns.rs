@@ -1,19 +1,31 @@
 //! Starts of many vehicles.
 
 use super::file::{Pattern, PatternTable};
-use flight_model::State;
+use flight_model::{State, wrap_pi};
+use optimizer::stream;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-/// The starts of a pattern whose vehicles fly as `like` does. `seed` places random ones.
+/// A stream that no tick of a flight draws from.
+const BEFORE_THE_FLIGHT: u64 = u64::MAX;
+
+/// The starts of a pattern whose vehicles fly as `like` does, but for the spreads. `seed` places random ones.
 pub fn starts(table: &PatternTable, like: &State, seed: u64) -> Vec<State> {
     let (sin, cos) = libm::sincos(like.course_rad);
     offsets(table, seed)
         .into_iter()
-        .map(|(ahead_m, right_m)| State {
-            x_m: table.x_m + ahead_m * cos - right_m * sin,
-            y_m: table.y_m + ahead_m * sin + right_m * cos,
-            ..*like
+        .enumerate()
+        .map(|(index, (ahead_m, right_m))| {
+            let mut rng = stream(seed, index as u64, BEFORE_THE_FLIGHT);
+            let mut spread = |spread: f64| rng.random_range(-spread..=spread);
+            State {
+                x_m: table.x_m + ahead_m * cos - right_m * sin,
+                y_m: table.y_m + ahead_m * sin + right_m * cos,
+                altitude_m: like.altitude_m + spread(table.altitude_spread_m),
+                speed_mps: like.speed_mps + spread(table.speed_spread_mps),
+                course_rad: wrap_pi(like.course_rad + spread(table.course_spread_deg.to_radians())),
+                ..*like
+            }
         })
         .collect()
 }

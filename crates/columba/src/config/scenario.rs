@@ -1,11 +1,11 @@
 //! A checked scenario: what flies.
 
-use super::file::{Algorithm, AutopilotTable, OptimizerTable, PatternTable, Preset, ScenarioFile, SetpointDialect};
+use super::file::{AutopilotTable, PatternTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
 use mavlink_bridge::ImpairmentSettings;
-use optimizer::MslpioSettings;
+use optimizer::{Algorithm, OptimizerSettings};
 use std::fmt::Display;
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -20,8 +20,6 @@ pub struct Scenario {
     pub seed: u64,
     /// What the controller's settings started from.
     pub preset: Preset,
-    /// Who picks the weights.
-    pub algorithm: Algorithm,
     /// Flight time asked for; [`ticks`](Scenario::ticks) says what is flown.
     pub duration: Duration,
     /// T.
@@ -40,8 +38,8 @@ pub struct Scenario {
     pub dynamics: Dynamics,
     /// Law, weights and look-ahead.
     pub controller: ControllerSettings,
-    /// Settings of the optimiser.
-    pub optimizer: MslpioSettings,
+    /// Who picks the weights, and how.
+    pub optimizer: OptimizerSettings,
     /// What vehicles do beside flying.
     pub autopilot: AutopilotTable,
     /// The link.
@@ -79,6 +77,8 @@ pub struct Overrides {
     pub seed: Option<u64>,
     /// `--preset`.
     pub preset: Option<Preset>,
+    /// `--optimizer`.
+    pub algorithm: Option<Algorithm>,
     /// `--duration`, s.
     pub duration_s: Option<f64>,
     /// `--out`.
@@ -122,6 +122,7 @@ impl Overrides {
         file.scenario.seed = self.seed.unwrap_or(file.scenario.seed);
         file.scenario.duration_s = self.duration_s.unwrap_or(file.scenario.duration_s);
         file.preset = self.preset.unwrap_or(file.preset);
+        file.optimizer.algorithm = self.algorithm.unwrap_or(file.optimizer.algorithm);
         file.link.loss = self.loss.unwrap_or(file.link.loss);
         if let Some(count) = self.count {
             file.vehicle.clear();
@@ -150,7 +151,6 @@ impl Scenario {
                 .collect(),
             seed: file.scenario.seed,
             preset: file.preset,
-            algorithm: file.optimizer.algorithm,
             duration: whole_ms(file.scenario.duration_s),
             control_period: whole_ms(file.scenario.control_period_s),
             integration_step: whole_ms(file.dynamics.integration_step_s),
@@ -162,7 +162,7 @@ impl Scenario {
             expected,
             dynamics: dynamics(&file),
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
-            optimizer: optimizer_settings(&file.optimizer),
+            optimizer: file.optimizer,
             autopilot: file.autopilot,
             link: Link {
                 host: file.link.host.parse().unwrap_or(IpAddr::from([127, 0, 0, 1])),
@@ -200,20 +200,6 @@ impl Scenario {
             obstacles: self.obstacles.clone(),
             dynamics: self.dynamics,
         }
-    }
-}
-
-/// The table as the optimiser takes it.
-pub(super) fn optimizer_settings(table: &OptimizerTable) -> MslpioSettings {
-    MslpioSettings {
-        base_population: table.base_population,
-        dimension_setting: table.dimension_setting,
-        social_coefficient: table.social_coefficient,
-        map_and_compass_factor: table.map_and_compass_factor,
-        iterations: table.iterations,
-        removed_per_iteration: table.removed_per_iteration,
-        velocity_limit: table.velocity_limit,
-        archive_capacity: table.archive_capacity,
     }
 }
 

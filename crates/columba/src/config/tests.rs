@@ -186,11 +186,26 @@ fn every_fault_is_told_by_line_key_value_and_what_would_be_right() {
             &["dynamics.speed_min_mps = nan: must be a number from 0.1 to 300"],
         ),
         (
-            and("[optimizer]\niterations = 500"),
+            and("[optimizer.mslpio]\niterations = 500"),
             19,
-            &["optimizer.removed_per_iteration = 2 (by default): must be at most 0", "500 iterations"],
+            &["optimizer.mslpio.removed_per_iteration = 2 (by default): must be such that a pigeon is left"],
         ),
-        (and("[optimizer]\nvelocity_limit = 0"), 20, &["optimizer.velocity_limit = 0: must be above 0 and at most 1"]),
+        (
+            and("[optimizer.mpio]\nvelocity_limit = 0"),
+            20,
+            &["optimizer.mpio.velocity_limit = 0: must be above 0 and at most 1"],
+        ),
+        (
+            and("[optimizer]\nnsga2 = { population = 51 }"),
+            20,
+            &["optimizer.nsga2.population = 51: must be even, from 2 to 1000000"],
+        ),
+        (
+            with("[[obstacle]]\nx_m = 70.0\ny_m = 8.0\nradius_m = 8.0\n", "[obstacles]\ncount = 900\n"),
+            16,
+            &["obstacles.count = 900: must be at most about"],
+        ),
+        (and("[obstacles]\ncount = 2"), 19, &["[obstacles] stands beside [[obstacle]]: must be either"]),
         (and("[law]\nsafe_distance_m = 0"), 20, &["law.safe_distance_m = 0: must be a number greater than 0"]),
         (
             and("[look_ahead]\nneighbours_max = 0"),

@@ -106,7 +106,7 @@ impl Recorder {
         let summary = Summary {
             scenario: scenario.name.clone(),
             seed: scenario.seed,
-            algorithm: name_of(&scenario.algorithm),
+            algorithm: scenario.optimizer.algorithm.key().to_owned(),
             preset: name_of(&scenario.preset),
             transport: transport.to_owned(),
             vehicles: self.trajectory.vehicles,
@@ -130,6 +130,10 @@ impl Recorder {
             speed_convergence_s: verdict.speed_convergence_s,
             course_convergence_s: verdict.course_convergence_s,
             altitude_settling_s: verdict.altitude_settling_s,
+            speed_variation_mps: verdict.smoothness.speed_variation_mps(),
+            course_variation_rad: verdict.smoothness.course_variation_rad(),
+            flock_radius_m: verdict.smoothness.radius_m(),
+            flock_radius_end_m: verdict.smoothness.radius_end_m(),
             solve_us_p50: self.percentile_us(0.50),
             solve_us_p99: self.percentile_us(0.99),
             wall_s,
@@ -166,30 +170,29 @@ fn field(scenario: &Scenario) -> Field {
 
 /// The reading of the paper that flew, by the names of the scenario file.
 fn settings(scenario: &Scenario) -> Vec<Setting> {
-    let mut settings = vec![
-        Setting { name: "preset".to_owned(), value: name_of(&scenario.preset) },
-        Setting { name: "optimizer.algorithm".to_owned(), value: name_of(&scenario.algorithm) },
-    ];
-    let optimizer = &scenario.optimizer;
-    for (name, value) in [
-        ("base_population", optimizer.base_population.to_string()),
-        ("dimension_setting", optimizer.dimension_setting.to_string()),
-        ("social_coefficient", optimizer.social_coefficient.to_string()),
-        ("map_and_compass_factor", optimizer.map_and_compass_factor.to_string()),
-        ("iterations", optimizer.iterations.to_string()),
-        ("removed_per_iteration", optimizer.removed_per_iteration.to_string()),
-    ] {
-        settings.push(Setting { name: format!("optimizer.{name}"), value });
+    let mut settings = vec![Setting { name: "preset".to_owned(), value: name_of(&scenario.preset) }];
+    let algorithm = scenario.optimizer.algorithm.key();
+    settings.push(Setting { name: "optimizer.algorithm".to_owned(), value: algorithm.to_owned() });
+    if let Some(values) = serde_json::to_value(scenario.optimizer)
+        .ok()
+        .and_then(|mut table| table.get_mut(algorithm).map(serde_json::Value::take))
+    {
+        add(&mut settings, &format!("optimizer.{algorithm}"), &values);
     }
     if let Ok(serde_json::Value::Object(tables)) = serde_json::to_value(&scenario.controller) {
         for (table, values) in tables {
-            for (key, value) in values.as_object().into_iter().flatten() {
-                let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-                settings.push(Setting { name: format!("{table}.{key}"), value });
-            }
+            add(&mut settings, &table, &values);
         }
     }
     settings
+}
+
+/// Every key of a table of settings.
+fn add(settings: &mut Vec<Setting>, table: &str, values: &serde_json::Value) {
+    for (key, value) in values.as_object().into_iter().flatten() {
+        let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        settings.push(Setting { name: format!("{table}.{key}"), value });
+    }
 }
 
 /// The name under which a scenario file speaks of an enum's value.

@@ -130,6 +130,13 @@ pub fn key_figures(flight: &Flight) -> Vec<KeyFigure> {
         ("Course converged", or_never(summary.course_convergence_s), no_note()),
         ("Altitude settled", or_never(summary.altitude_settling_s), no_note()),
         (
+            "Speed changed",
+            unit(summary.speed_variation_mps, 1, "m/s"),
+            "up and down, in all, a vehicle on average".to_owned(),
+        ),
+        ("Turned", unit(summary.course_variation_rad, 2, "rad"), "left and right, likewise".to_owned()),
+        ("Flock's radius", unit(summary.flock_radius_m, 1, "m"), "mean distance to its centre".to_owned()),
+        (
             "Flown",
             unit(summary.duration_s, 1, "s"),
             format!("{} ticks of {} s", flight.trajectory.ticks.len(), short(summary.control_period_s)),

@@ -1,0 +1,105 @@
+//! The optimisers by name: which there are, and the settings of each. A new one is its own file and one line here.
+
+use serde::{Deserialize, Serialize};
+
+use crate::optimizer::{Optimizer, SettingsError};
+use crate::{Mpio, MpioSettings, Mslpio, MslpioSettings, Nsga2, Nsga2Settings, Slpio, SlpioSettings};
+
+/// Of each optimiser its key in a scenario file, its type and the type of its settings. The settings have a default,
+/// `validate` and `evaluations`; the optimiser is made from them by `new`.
+macro_rules! algorithms {
+    ($($(#[$about:meta])+ $key:ident: $optimizer:ident($settings:ident);)+) => {
+        /// Which optimiser.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
+        #[serde(rename_all = "lowercase")]
+        pub enum Algorithm {
+            $($(#[$about])+ $optimizer,)+
+        }
+
+        impl Algorithm {
+            /// All there are.
+            pub const ALL: &[Self] = &[$(Self::$optimizer),+];
+
+            /// Its name in a scenario file.
+            pub fn key(self) -> &'static str {
+                match self { $(Self::$optimizer => stringify!($key)),+ }
+            }
+        }
+
+        /// Which optimiser, and the settings of each: those of the others lie idle, so that a scenario can hold them all.
+        #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct OptimizerSettings {
+            /// Which one.
+            pub algorithm: Algorithm,
+            $($(#[$about])+ pub $key: $settings,)+
+        }
+
+        impl Default for OptimizerSettings {
+            fn default() -> Self {
+                Self { algorithm: Algorithm::Mslpio, $($key: $settings::default()),+ }
+            }
+        }
+
+        impl OptimizerSettings {
+            /// The optimiser that is asked for.
+            ///
+            /// # Errors
+            /// One of its settings is out of range.
+            pub fn build(&self) -> Result<Box<dyn Optimizer>, SettingsError> {
+                Ok(match self.algorithm { $(Algorithm::$optimizer => Box::new($optimizer::new(self.$key)?)),+ })
+            }
+
+            /// How many candidates it evaluates in a solve.
+            pub fn evaluations(&self) -> usize {
+                match self.algorithm { $(Algorithm::$optimizer => self.$key.evaluations()),+ }
+            }
+
+            /// Whether the settings of every optimiser are in range; else the first that has one which is not, and which.
+            ///
+            /// # Errors
+            /// As told.
+            pub fn validate(&self) -> Result<(), (Algorithm, SettingsError)> {
+                $(self.$key.validate().map_err(|error| (Algorithm::$optimizer, error))?;)+
+                Ok(())
+            }
+        }
+    };
+}
+
+algorithms! {
+    /// Multi-objective social learning pigeon-inspired optimisation.
+    mslpio: Mslpio(MslpioSettings);
+    /// Multi-objective pigeon-inspired optimisation.
+    mpio: Mpio(MpioSettings);
+    /// The non-dominated sorting genetic algorithm II.
+    nsga2: Nsga2(Nsga2Settings);
+    /// Social learning pigeon-inspired optimisation, of the sum of the objectives.
+    slpio: Slpio(SlpioSettings);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_algorithm_is_built_under_its_key_with_a_budget_that_compares() {
+        for &algorithm in Algorithm::ALL {
+            let settings = OptimizerSettings { algorithm, ..OptimizerSettings::default() };
+            let name = settings.build().expect("in range").name().replace('-', "").to_lowercase();
+            assert_eq!(name.replace("ii", "2"), algorithm.key());
+            assert!((650..=651).contains(&settings.evaluations()), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_named_with_whose_it_is() {
+        let mut settings = OptimizerSettings::default();
+        assert_eq!(settings.validate(), Ok(()));
+        settings.nsga2.population = 7;
+        let (algorithm, error) = settings.validate().expect_err("odd");
+        assert_eq!((algorithm, error.setting, error.value), (Algorithm::Nsga2, "population", 7.0));
+        // It lies idle.
+        assert!(settings.build().is_ok());
+    }
+}
