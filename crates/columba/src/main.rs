@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::Vehicles(args) => commands::vehicles(&cli, args),
         Command::Fly(args) => commands::fly(&cli, args),
         Command::Check(args) => commands::check(&cli, args),
+        Command::Suites(args) => commands::suites(&cli, args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

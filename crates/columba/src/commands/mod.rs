@@ -3,11 +3,13 @@
 mod check;
 mod fly;
 mod run;
+mod suites;
 mod vehicles;
 
 pub use check::check;
 pub use fly::fly;
 pub use run::run;
+pub use suites::suites;
 pub use vehicles::vehicles;
 
 use crate::args::Cli;
