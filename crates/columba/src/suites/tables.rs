@@ -93,7 +93,8 @@ pub fn markdown(plan: &Plan, solves: &[Solve]) -> String {
 
 fn table(plan: &Plan, solves: &[Solve], title: &str, indicator: fn(&Solve) -> f64) -> String {
     let columns: Vec<&str> = plan.optimizers.iter().map(|optimizer| optimizer.key()).collect();
-    let mut text = format!("\n{title}\n\n| problem | {} |\n|---|{}\n", columns.join(" | "), "---|".repeat(columns.len()));
+    let mut text =
+        format!("\n{title}\n\n| problem | {} |\n|---|{}\n", columns.join(" | "), "---|".repeat(columns.len()));
     for &problem in &plan.problems {
         let cell = |&optimizer: &Algorithm| {
             let of = |solve: &&Solve| solve.problem == problem && solve.optimizer == optimizer;
