@@ -64,6 +64,11 @@ impl<'a> Costs<'a> {
         better
     }
 
+    /// Whether two candidates violate and cost the same.
+    pub(crate) fn equal(&self, a: usize, b: usize) -> bool {
+        (0..self.count).all(|k| self.cost(a, k) == self.cost(b, k)) && self.violation[a] == self.violation[b]
+    }
+
     /// By violation, then objective after objective: who dominates comes before whom it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
         let objectives = (0..self.count).map(|k| compare(self.cost(a, k), self.cost(b, k)));
@@ -182,7 +187,7 @@ impl NonDominatedSort {
             let candidate = self.order.candidate(key);
             let cost = costs.cost(candidate, costs.objectives().saturating_sub(1));
             let rank = match before.map(|before| (self.order.candidate(before), self.order.tied(before, key))) {
-                Some((before, true)) if costs.lexicographic(before, candidate).is_eq() => self.ranks[before] as usize,
+                Some((before, true)) if costs.equal(before, candidate) => self.ranks[before] as usize,
                 before => {
                     if before.is_some_and(|(before, _)| costs.violation[before] < costs.violation[candidate]) {
                         least_rank = self.last.len();

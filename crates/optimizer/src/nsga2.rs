@@ -83,6 +83,9 @@ impl Nsga2Settings {
 
 /// The optimiser. The front returned is the first front of the last population, without duplicates in costs. Constraints are
 /// in the sort (section VI); parents meet in tournaments drawn from two permutations of the population, so that each is in two.
+///
+/// One difference to Deb et al.: of candidates that cost the same, one has the crowding distance that it would have without the
+/// others, and these have 0. So copies leave first, instead of holding places of a full front at the expense of their neighbours.
 #[derive(Clone, Debug)]
 pub struct Nsga2 {
     settings: Nsga2Settings,
@@ -93,6 +96,8 @@ pub struct Nsga2 {
     union: Population,
     sort: NonDominatedSort,
     crowding: Crowding,
+    /// A front without copies, and then with them.
+    originals: Vec<u32>,
     by_crowding: Vec<(f64, u32)>,
     survivors: Vec<u32>,
     /// Rank and crowding distance of each parent.
@@ -119,6 +124,7 @@ impl Nsga2 {
             union: Population::default(),
             sort: NonDominatedSort::default(),
             crowding: Crowding::default(),
+            originals: Vec::new(),
             by_crowding: Vec::new(),
             survivors: Vec::new(),
             fitness: Vec::new(),
@@ -148,6 +154,8 @@ impl Nsga2 {
         self.union.reserve(2 * size, dimensions, objectives);
         self.sort.reserve(2 * size);
         self.crowding.reserve(2 * size);
+        self.originals.clear();
+        self.originals.reserve(2 * size);
         self.by_crowding.clear();
         self.by_crowding.reserve(2 * size);
         for buffer in [&mut self.survivors, &mut self.winners] {
@@ -179,12 +187,20 @@ impl Nsga2 {
             if room == 0 {
                 break;
             }
-            let front = self.sort.front(rank);
-            let distances =
-                self.crowding.distances(front.len(), costs.objectives(), |i, k| costs.cost(front[i] as usize, k));
+            self.originals.clear();
             self.by_crowding.clear();
-            self.by_crowding.extend(distances.iter().copied().zip(front.iter().copied()));
-            if front.len() > room {
+            for &member in self.sort.front(rank) {
+                match self.originals.last() {
+                    Some(&original) if costs.equal(original as usize, member as usize) => {
+                        self.by_crowding.push((0.0, member));
+                    }
+                    _ => self.originals.push(member),
+                }
+            }
+            let cost = |i: usize, k| costs.cost(self.originals[i] as usize, k);
+            let distances = self.crowding.distances(self.originals.len(), costs.objectives(), cost);
+            self.by_crowding.extend(distances.iter().copied().zip(self.originals.iter().copied()));
+            if self.by_crowding.len() > room {
                 self.by_crowding.select_nth_unstable_by(room - 1, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
                 self.by_crowding.truncate(room);
             }
