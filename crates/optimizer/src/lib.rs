@@ -53,6 +53,7 @@ mod optimizer;
 mod population;
 mod problem;
 pub mod selection;
+mod settings;
 mod slpio;
 mod stream;
 pub mod suites;

@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::archive::Archive;
 use crate::crowding::Crowding;
 use crate::dominance::NonDominatedSort;
-use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError, check_settings};
+use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError};
 use crate::population::{Population, pick, uniform};
 use crate::problem::{Bounds, Problem};
+use crate::settings::{self, check_settings};
 use crate::stream::Stream;
 use crate::variation::{Crossover, Mutation};
 
@@ -49,7 +50,6 @@ impl Default for Nsga2Settings {
 impl Nsga2Settings {
     /// Whether every setting is in its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let index = |index: f64| (0.0..=1000.0).contains(&index);
         check_settings(&[
             (
                 "population",
@@ -57,21 +57,16 @@ impl Nsga2Settings {
                 "even, from 2 to 1000000",
                 (2..=1_000_000).contains(&self.population) && self.population.is_multiple_of(2),
             ),
-            ("generations", self.generations as f64, "at most 1000000", self.generations <= 1_000_000),
-            (
-                "crossover_probability",
-                self.crossover_probability,
-                "from 0 to 1",
-                (0.0..=1.0).contains(&self.crossover_probability),
-            ),
-            ("crossover_index", self.crossover_index, "from 0 to 1000", index(self.crossover_index)),
+            settings::iterations("generations", self.generations),
+            settings::fraction("crossover_probability", self.crossover_probability),
+            settings::factor("crossover_index", self.crossover_index),
             (
                 "mutations_per_child",
                 self.mutations_per_child,
                 "from 0 to 1000000",
                 (0.0..=1e6).contains(&self.mutations_per_child),
             ),
-            ("mutation_index", self.mutation_index, "from 0 to 1000", index(self.mutation_index)),
+            settings::factor("mutation_index", self.mutation_index),
         ])
     }
 
