@@ -218,7 +218,8 @@ impl Nsga2 {
         self.winners.clear();
         self.winners.extend(self.tournament.chunks_exact(2).map(|pair| {
             let [a, b] = [0, 1].map(|contestant| self.fitness[pair[contestant] as usize]);
-            if b.0 < a.0 || b.0 == a.0 && b.1 > a.1 { pair[1] } else { pair[0] }
+            let second_wins = (b.0 < a.0) | (b.0 == a.0) & (b.1 > a.1);
+            pair[usize::from(second_wins)]
         }));
     }
 
