@@ -310,6 +310,26 @@ impl Optimizer for Nsga2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::Plane;
+
+    #[test]
+    fn copies_leave_a_full_front_first() {
+        let settings = Nsga2Settings { population: 6, ..Nsga2Settings::default() };
+        let mut nsga2 = Nsga2::new(settings).expect("in range");
+        let mut problem = Plane([Bounds::new(0.0, 9.0); 2]);
+        // A front of seven, of which (8.5, 0.5) is the most crowded but for the copy of (4, 4).
+        nsga2.seed_candidates(&[0.0, 9.0, 1.0, 8.0, 4.0, 4.0, 4.0, 4.0, 8.0, 1.0, 9.0, 0.0]);
+        nsga2.initialise(&problem, &mut crate::stream(1, 0, 0)).expect("solvable");
+        nsga2.parents.evaluate(&mut problem);
+        nsga2.offspring.reset(6, 2, 2);
+        nsga2.offspring.coordinate_mut(0).copy_from_slice(&[8.5, 9.0, 9.0, 9.0, 9.0, 9.0]);
+        nsga2.offspring.coordinate_mut(1).copy_from_slice(&[0.5, 9.0, 9.0, 9.0, 9.0, 9.0]);
+        nsga2.offspring.evaluate(&mut problem);
+        nsga2.survive();
+        let mut left = nsga2.parents.coordinate(0).to_vec();
+        left.sort_by(f64::total_cmp);
+        assert_eq!(left, [0.0, 1.0, 4.0, 8.0, 8.5, 9.0]);
+    }
 
     #[test]
     fn the_best_by_rank_and_crowding_survive() {
