@@ -59,7 +59,7 @@ Exit status: 0 all files are good, 2 one is not.";
 
 const SUITES_EXAMPLES: &str = "\
 Examples:
-  columba suites                           everything, 31 seeds, 25000 evaluations: minutes; into runs/suites/
+  columba suites                           everything, 31 seeds, 25000 evaluations: some 10 s; in runs/suites/
   columba suites --problems zdt1,dtlz2 --optimizers mslpio,nsga2 --seeds 5
   columba suites --dimensions 3 --population 50 --generations 13
                                            what a flight spends at each decision: 650 evaluations of 3 variables
