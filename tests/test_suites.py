@@ -100,7 +100,7 @@ def test_any_number_of_threads_writes_the_same_bytes(program, folder, tmp_path):
     [
         (["--problems", "zdt5"], "must be one of zdt1"),
         (["--optimizers", "slpio"], "must be one of mslpio"),
-        (["--seeds", "9..3"], "must be a first and a last seed"),
+        (["--seeds", "9..3"], "must be how many"),
         (["--population", "7"], "must be an even number from 6"),
         (["--dimensions", "2"], "must be a whole number from 3"),
     ],

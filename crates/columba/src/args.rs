@@ -1,11 +1,11 @@
 //! The command line.
 
-use crate::config::{COUNT_MAX, DURATION_MAX_S, Overrides, Preset, SHARE_MAX};
+use crate::compare::Seeds;
+use crate::config::{COUNT_MAX, DURATION_MAX_S, Layer, Overrides, Preset, SHARE_MAX};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use optimizer::Algorithm;
 use optimizer::suites::Suite;
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Flies a flock of UAVs over MAVLink: simulated vehicles, a ground controller that runs MSLPIO, and reports.
@@ -53,6 +53,26 @@ Examples:
 
 Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";
 
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  columba compare                          MSLPIO, MPIO and NSGA-II over 100 flights each; compare/paper/report.html
+  columba compare --seeds 101..1000 --optimizers mslpio,mpio,nsga2,slpio
+  columba compare config/paper.toml mine.toml --set look_ahead.horizon_s=1.5
+  columba compare --contenders settings.toml --seeds 20 --out short
+
+A file of contenders has a table [[contender]] for each, with a name and any tables of a scenario file, which are laid over
+the scenario:
+  [[contender]]
+  name = \"shorter look-ahead\"
+  look_ahead.horizon_s = 1.5
+  optimizer.algorithm = \"nsga2\"
+
+The folder holds every flight as soon as it is flown: the same command, started again, goes on where it was interrupted.
+docs/compare.md describes every file and figure.
+
+Exit status: 0 every flight is flown (a collision is a result here and no failure), 1 interrupted, 2 the arguments or a file
+are wrong.";
+
 const CHECK_EXAMPLES: &str = "\
 Every fault is one line: file, line, key, value and what would be right. docs/scenario.md describes every key.
 Exit status: 0 all files are good, 2 one is not.";
@@ -88,6 +108,11 @@ pub enum Command {
     /// the same folder as run.
     #[command(after_long_help = FLY_EXAMPLES)]
     Fly(FlyArgs),
+    /// Compares optimisers and settings over many flights: tables with intervals and tests, and figures of each.
+    ///
+    /// Every contender flies every scenario with every seed, in memory and in parallel. Without a file, the paper's flight.
+    #[command(after_long_help = COMPARE_EXAMPLES)]
+    Compare(CompareArgs),
     /// Says what is wrong with scenario files, by line.
     #[command(after_long_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
@@ -168,6 +193,36 @@ pub struct FlyArgs {
     pub vehicle_port: Option<u16>,
 }
 
+/// `columba compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// Scenario files (TOML); without one, the paper's five UAVs and seven obstacles.
+    #[arg(value_name = "CONFIG")]
+    pub scenarios: Vec<PathBuf>,
+    /// Optimisers, each of which flies the scenarios as they are; by default mslpio,mpio,nsga2. The first contender is the one
+    /// that the others are tested against.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = algorithm())]
+    pub optimizers: Option<Vec<Algorithm>>,
+    /// File of [[contender]] tables (TOML); they follow the optimisers, which are then none by default.
+    #[arg(long, value_name = "FILE")]
+    pub contenders: Option<PathBuf>,
+    /// Changes the scenarios for all contenders, as look_ahead.horizon_s=1.5; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = Layer::setting)]
+    pub settings: Vec<Layer>,
+    /// Which reading of the paper all contenders start from.
+    #[arg(long, value_enum)]
+    pub preset: Option<Preset>,
+    /// Seeds: how many (100 is 1 to 100), a range with both ends (101..200), or a list of these (7..7,20..29).
+    #[arg(long, value_name = "SEEDS", default_value = "100", allow_hyphen_values = true)]
+    pub seeds: Seeds,
+    /// Seed of the flights that are drawn; by default the first.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
+    pub figure_seed: Option<u64>,
+    /// Folder of the comparison, made where it is missing; by default compare/ and the scenarios' names.
+    #[arg(long, short, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+}
+
 /// `columba check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -185,9 +240,9 @@ pub struct SuitesArgs {
     /// Optimisers: mslpio, mpio, nsga2.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "mslpio,mpio,nsga2", value_parser = multi_objective)]
     pub optimizers: Vec<Algorithm>,
-    /// Seeds from the first to the last, 1..31; or how many from 1 on, at most 10000.
-    #[arg(long, value_name = "A..B", default_value = "1..31", allow_negative_numbers = true, value_parser = seeds)]
-    pub seeds: RangeInclusive<u64>,
+    /// How many seeds (31: 1 to 31), or which: 101..200, or 3,5,8..9.
+    #[arg(long, value_name = "SEEDS", default_value = "31", allow_hyphen_values = true)]
+    pub seeds: Seeds,
     /// Candidates of a generation, and the most members of a front; even, 6 to 10000.
     #[arg(long, value_name = "N", default_value = "100", allow_negative_numbers = true, value_parser = population)]
     pub population: usize,
@@ -297,14 +352,6 @@ fn multi_objective(text: &str) -> Result<Algorithm, String> {
         let keys: Vec<&str> = several.map(Algorithm::key).collect();
         format!("must be one of {}", keys.join(", "))
     })
-}
-
-fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
-    let (first, last) = text.split_once("..").unwrap_or(("1", text));
-    match (first.parse::<u64>(), last.parse::<u64>()) {
-        (Ok(first), Ok(last)) if first <= last && last - first < 10_000 => Ok(first..=last),
-        _ => Err("must be a first and a last seed (1..31) or how many (31), at most 10000".to_owned()),
-    }
 }
 
 fn population(text: &str) -> Result<usize, String> {

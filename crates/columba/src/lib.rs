@@ -1,8 +1,9 @@
-//! The program's rooms: configuration, the three ways to fly, the judge, the record and the report. It wires the other
+//! The program's rooms: configuration, the three ways to fly, the judge, the record, the report and the comparison. It wires the other
 //! crates together and holds no algorithm.
 
 pub mod args;
 pub mod commands;
+pub mod compare;
 pub mod config;
 pub mod flight;
 pub mod flying;

@@ -9,7 +9,7 @@ use common::{Room, SMALL, busy_port};
 fn help_names_every_command_and_every_flag() {
     let room = Room::new();
     let help = room.columba(&["--help"]).with(0).out;
-    for word in ["run", "vehicles", "fly", "check", "Exit status: 0 flown", "--quiet", "--threads"] {
+    for word in ["run", "vehicles", "fly", "compare", "check", "Exit status: 0 flown", "--quiet", "--threads"] {
         assert!(help.contains(word), "{word}: {help}");
     }
     let flight = ["--seed", "--preset", "--duration", "--out", "--ground-port", "--loss", "--no-report"];
@@ -28,6 +28,20 @@ fn help_names_every_command_and_every_flag() {
     of(
         "vehicles",
         &["--count", "--vehicle-port", "--ground-port", "--speed", "--lockstep", "--loss", "--seed", "--json"],
+    );
+    of(
+        "compare",
+        &[
+            "[CONFIG]...",
+            "--optimizers",
+            "--contenders",
+            "--set",
+            "--preset",
+            "--seeds",
+            "--figure-seed",
+            "--out",
+            "no failure",
+        ],
     );
     of("check", &["<CONFIG>...", "docs/scenario.md"]);
 }

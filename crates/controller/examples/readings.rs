@@ -4,7 +4,7 @@
 #[path = "../tests/flight/mod.rs"]
 mod flight;
 
-use controller::{ControllerSettings, FlockSettings, ForecastKind};
+use controller::{ControllerSettings, FlockSettings, ForecastKind, WeightKind};
 use flight::{Flown, field, fly};
 use rayon::prelude::*;
 
@@ -45,18 +45,20 @@ fn main() {
 }
 
 fn variants() -> Vec<(&'static str, ControllerSettings)> {
-    let mut plain = ControllerSettings::default();
-    plain.weights.min = 0.0;
-    plain.look_ahead.evasion = false;
-    plain.look_ahead.forecast = ForecastKind::Straight;
+    let mut plain = ControllerSettings::paper();
+    plain.weights.kind = WeightKind::PerTerm;
     let mut law = plain.clone();
     law.look_ahead.forecast = ForecastKind::Law;
     let mut evasion = plain.clone();
     evasion.look_ahead.evasion = true;
     let mut both = evasion.clone();
     both.look_ahead.forecast = ForecastKind::Law;
-    let mut straight = ControllerSettings::default();
-    straight.look_ahead.forecast = ForecastKind::Straight;
+    let mut held = both.clone();
+    held.weights.min = 0.2;
+    let mut narrow = held.clone();
+    narrow.law.obstacle_margin_m = ControllerSettings::default().law.obstacle_margin_m;
+    let mut costly = held.clone();
+    costly.law.velocity_cost_s = ControllerSettings::default().law.velocity_cost_s;
     vec![
         ("preset `literal`", ControllerSettings::literal()),
         ("preset `paper`", ControllerSettings::paper()),
@@ -64,8 +66,10 @@ fn variants() -> Vec<(&'static str, ControllerSettings)> {
         ("with `forecast = \"law\"`", law),
         ("with `evasion = true`", evasion),
         ("with both", both),
-        ("with `evasion = true` and `min = 0.2`", straight),
-        ("with all three: the default", ControllerSettings::default()),
+        ("with both and `min = 0.2`", held),
+        ("with these and `obstacle_margin_m = 1.5`", narrow),
+        ("with these and `velocity_cost_s = 0.25`", costly),
+        ("with all five: the default", ControllerSettings::default()),
     ]
 }
 

@@ -341,15 +341,15 @@ impl Flights {
         }
     }
 
-    /// Adds Eq. 11.
+    /// Adds Eq. 11, in sight of obstacles with a share of the deviation from the expected velocity.
     #[inline(always)]
-    pub fn add_progress(&mut self, expected: &Expected, detected: bool) {
+    pub fn add_progress(&mut self, law: &LawSettings, expected: &Expected, detected: bool) {
         let (ahead_x, ahead_y) = expected.direction();
         let (vx, vy) = (ahead_x * expected.speed_mps, ahead_y * expected.speed_mps);
         for i in 0..self.count.min(BATCH) {
             let progress = -(self.x[i] * ahead_x + self.y[i] * ahead_y);
             let deviation = (vx - self.vx[i]).abs() + (vy - self.vy[i]).abs();
-            self.cost_1[i] += if detected { progress } else { deviation };
+            self.cost_1[i] += if detected { progress + law.velocity_cost_s * deviation } else { deviation };
         }
     }
 

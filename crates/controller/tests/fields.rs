@@ -2,7 +2,7 @@
 
 mod flight;
 
-use controller::ForecastKind;
+use controller::{ControllerSettings, ForecastKind};
 use flight::{field, fly};
 
 fn gets_through(seed: u64, vehicles: usize) {
@@ -26,12 +26,13 @@ fn twelve_vehicles_get_through_random_fields() {
     (101..=104).for_each(|seed| gets_through(seed, 12));
 }
 
-/// Of the seeds 1 to 1200, thirteen lose separation where vehicles foresee each other flying straight on and commands go
+/// Of the seeds 1 to 1200, with the paper's margin and cost, thirteen lose separation where vehicles foresee each other flying straight on and commands go
 /// out unseen, and in these three vehicles collide.
 #[test]
 fn commands_looked_at_together_keep_what_each_alone_loses() {
     for seed in [842, 893, 960] {
         let (mut settings, starts) = field(seed, 12);
+        settings.controller.law = ControllerSettings::paper().law;
         settings.controller.look_ahead.forecast = ForecastKind::Straight;
         let together_m = fly(&settings, &starts, 30).min_separation_m;
         assert!(together_m > 3.0, "seed {seed}: {together_m} m");

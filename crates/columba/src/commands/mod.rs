@@ -1,12 +1,14 @@
 //! The subcommands.
 
 mod check;
+mod compare;
 mod fly;
 mod run;
 mod suites;
 mod vehicles;
 
 pub use check::check;
+pub use compare::compare;
 pub use fly::fly;
 pub use run::run;
 pub use suites::suites;

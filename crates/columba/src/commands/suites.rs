@@ -13,7 +13,7 @@ pub fn suites(cli: &Cli, args: &SuitesArgs) -> Result<(), Failure> {
     let plan = Plan {
         problems: args.problems.clone(),
         optimizers: args.optimizers.clone(),
-        seeds: args.seeds.clone().collect(),
+        seeds: args.seeds.as_slice().to_vec(),
         population: args.population,
         generations: args.generations,
         dimensions: args.dimensions,

@@ -226,6 +226,7 @@ fn controller(file: &ScenarioFile, faults: &mut Faults) {
         ("law.altitude_gain", law.altitude_gain, 1e3),
         ("law.obstacle_margin_m", law.obstacle_margin_m, 100.0),
         ("law.influence_factor", law.influence_factor, 1e3),
+        ("law.velocity_cost_s", law.velocity_cost_s, 1e3),
         ("weights.min", file.weights.min, 100.0),
     ] {
         faults.within(key, value, 0.0, high);

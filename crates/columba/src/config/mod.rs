@@ -1,8 +1,11 @@
 //! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check.rs` its rules;
-//! `source.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where.
+//! `source.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where; `contender.rs` and `layer.rs` are what a
+//! comparison lays over a scenario.
 
 mod check;
+mod contender;
 mod file;
+mod layer;
 mod obstacles;
 mod patterns;
 mod preset;
@@ -12,9 +15,11 @@ mod scenario;
 mod source;
 
 pub use check::{COUNT_MAX, DURATION_MAX_S, SHARE_MAX};
+pub use contender::{Contender, Entry, read_contenders};
 pub use file::{Pattern, Preset, SetpointDialect};
+pub use layer::Layer;
 pub use provenance::Provenance;
-pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT};
+pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT, file_name};
 pub use source::ConfigError;
 
 use file::ScenarioFile;
@@ -31,34 +36,50 @@ pub const PAPER_NAME: &str = "config/paper.toml (built in)";
 /// # Errors
 /// One [`ConfigError`] that names every fault by file, line, key, value and what would be right.
 pub fn load(path: Option<&Path>, overrides: &Overrides) -> Result<Scenario, ConfigError> {
-    let source = match path {
-        Some(path) => Source::read(path)?,
-        None => Source::new(PAPER_NAME, PAPER),
-    };
-    parse(source, overrides)
+    parse(source_of(path)?, overrides)
+}
+
+fn source_of(path: Option<&Path>) -> Result<Source, ConfigError> {
+    match path {
+        Some(path) => Source::read(path, "a scenario file (TOML)"),
+        None => Ok(Source::new(PAPER_NAME, PAPER)),
+    }
 }
 
 fn parse(source: Source, overrides: &Overrides) -> Result<Scenario, ConfigError> {
+    let (file, provenance) = tables(source, overrides)?;
+    let mut scenario = scenario(file, provenance)?;
+    // A path need not be text: it does not go through the file's table.
+    if let Some(folder) = &overrides.folder {
+        scenario.folder.clone_from(folder);
+    }
+    Ok(scenario)
+}
+
+/// The file, every setting of which is in its range.
+fn tables(source: Source, overrides: &Overrides) -> Result<(ScenarioFile, Provenance), ConfigError> {
     let mut file: ScenarioFile = source.parse()?;
     overrides.apply(&mut file);
     preset::apply(&mut file, &source)?;
-    let by_pattern = file.vehicles.is_some();
     let provenance = Provenance::new(source, overrides);
     let mut faults = check::Faults::default();
     check::tables(&file, &mut faults);
     provenance.refuse(&faults)?;
+    Ok((file, provenance))
+}
+
+/// What flies with the file's seed: everything random has its place, and every start is free.
+fn scenario(mut file: ScenarioFile, provenance: Provenance) -> Result<Scenario, ConfigError> {
+    let by_pattern = file.vehicles.is_some();
+    let mut faults = check::Faults::default();
     if let Some(table) = file.obstacles {
         file.obstacle = obstacles::scatter(&table, file.scenario.seed);
         check::scattered(&table, file.obstacle.len(), &mut faults);
         provenance.refuse(&faults)?;
     }
-    let mut scenario = Scenario::new(file, provenance);
+    let scenario = Scenario::new(file, provenance);
     check::starts(&scenario, by_pattern, &mut faults);
     scenario.provenance.refuse(&faults)?;
-    // A path need not be text: it does not go through the file's table.
-    if let Some(folder) = &overrides.folder {
-        scenario.folder.clone_from(folder);
-    }
     Ok(scenario)
 }
 

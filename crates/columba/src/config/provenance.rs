@@ -28,7 +28,7 @@ impl Provenance {
         }
         match self.source.document().and_then(|document| self.source.find(&document, key)) {
             Some(found) => match found.value {
-                Some(value) => format!("{}:{}: {key} = {value}", self.source.name(), found.line),
+                Some(value) => format!("{}: {key} = {value}", found.place),
                 None => format!("{key} (by default; {flag} sets it)"),
             },
             None => format!("{key} (by default; {flag} sets it)"),
@@ -63,7 +63,7 @@ impl Provenance {
         }
         let found = find(key);
         let line = found.as_ref().map_or(0, |found| found.line);
-        let place = if line == 0 { self.source.name().to_owned() } else { format!("{}:{line}", self.source.name()) };
+        let place = found.as_ref().map_or_else(|| self.source.name().to_owned(), |found| found.place.clone());
         let subject = match (&fault.subject, found.and_then(|found| found.value)) {
             (Some(subject), _) => subject.clone(),
             (None, Some(value)) => format!("{key} = {value}"),

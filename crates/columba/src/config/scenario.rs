@@ -251,8 +251,13 @@ fn whole_ms(seconds: f64) -> Duration {
     Duration::from_millis((seconds * 1e3).round() as u64)
 }
 
-/// `runs/<name>`, whatever the name holds.
+/// `runs/<name>`.
 fn default_folder(name: &str) -> PathBuf {
+    PathBuf::from("runs").join(file_name(name))
+}
+
+/// A name that a file can have, whatever a scenario's name holds.
+pub fn file_name(name: &str) -> String {
     let safe = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '-' };
-    PathBuf::from("runs").join(name.trim().chars().map(safe).collect::<String>())
+    name.trim().chars().map(safe).collect()
 }

@@ -1,17 +1,19 @@
 //! The text of a scenario file, and what stands where in it.
 
+use super::layer::Layer;
 use super::refusal;
 use serde::de::DeserializeOwned;
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 use toml_edit::{Array, ArrayOfTables, Document, DocumentMut, Item, TableLike, Value};
 
 /// What is wrong with a scenario: one line for each fault, which names file, line, key, value and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .lines.join("\n"))]
 pub struct ConfigError {
-    lines: Vec<String>,
+    pub(super) lines: Vec<String>,
 }
 
 impl ConfigError {
@@ -25,11 +27,15 @@ impl ConfigError {
 pub struct Source {
     name: String,
     text: String,
+    /// Of a text that was laid together from several these, the uppermost first.
+    layers: Arc<[Layer]>,
 }
 
 /// Where a key stands.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Found {
+    /// With what a message of it begins: file and line, or the flag that set it.
+    pub place: String,
     /// Its line, counted from one; that of the nearest table that would hold it, where it is absent.
     pub line: usize,
     /// Its value as it is written; none where the key is absent or a table.
@@ -44,13 +50,18 @@ const QUOTED_CHARS_MAX: usize = 60;
 
 impl Source {
     pub fn new(name: &str, text: &str) -> Self {
-        Self { name: name.to_owned(), text: text.to_owned() }
+        Self { name: name.to_owned(), text: text.to_owned(), layers: Arc::from([]) }
     }
 
-    /// Reads a file whole, unless it is no text.
-    pub fn read(path: &Path) -> Result<Self, ConfigError> {
+    /// A text that was laid together from these layers, the uppermost first.
+    pub fn layered(name: &str, text: String, layers: Vec<Layer>) -> Self {
+        Self { name: name.to_owned(), text, layers: layers.into() }
+    }
+
+    /// Reads a file whole, unless it is no text; `kind` is what it should be.
+    pub fn read(path: &Path, kind: &str) -> Result<Self, ConfigError> {
         let name = path.display().to_string();
-        let refuse = |what: String| ConfigError::new(vec![format!("{name}: {what}: must be a scenario file (TOML)")]);
+        let refuse = |what: String| ConfigError::new(vec![format!("{name}: {what}: must be {kind}")]);
         if path.is_dir() {
             return Err(refuse("is a folder".to_owned()));
         }
@@ -81,19 +92,31 @@ impl Source {
         &self.name
     }
 
+    /// Its text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The document with its spans; a syntax error is told by line.
+    pub fn parsed(&self) -> Result<Document<&str>, ConfigError> {
+        Document::parse(self.text.as_str()).map_err(|error| {
+            let offset = error.span().map_or(0, |span| span.start);
+            let line = self.text.lines().nth(line_at(&self.text, offset) - 1).unwrap_or_default();
+            self.refuse_at(offset, &refusal::syntax(error.message(), &shorten(line)))
+        })
+    }
+
     /// The file as a value of `T`; a syntax error, an unknown key or a wrong type is told by line.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        let document = Document::parse(self.text.as_str()).map_err(|error| {
-            let offset = error.span().map_or(0, |span| span.start);
-            let line = self.text.lines().nth(self.line_at(offset) - 1).unwrap_or_default();
-            self.refuse_at(offset, &refusal::syntax(error.message(), &shorten(line)))
-        })?;
+        let document = self.parsed()?;
         let misplaced = misplaced_array(document.as_table(), "");
         match (toml_edit::de::from_str(&self.text), misplaced) {
             (Err(error), Some(_)) if refusal::is_unknown_key(error.message()) => {
                 Err(self.refuse_serde(&document, &error))
             }
-            (_, Some((key, span))) => Err(self.refuse_at(span.start, &format!("{key}: {}", refusal::TABLE_ONCE))),
+            (_, Some((key, span))) => {
+                Err(self.refuse_key(&key, span.start, &format!("{key}: {}", refusal::TABLE_ONCE)))
+            }
             (Err(error), None) => Err(self.refuse_serde(&document, &error)),
             (Ok(value), None) => Ok(value),
         }
@@ -111,25 +134,12 @@ impl Source {
 
     /// Where a key such as `obstacle[2].radius_m` stands; rows are counted from one, as people and the report do.
     pub fn find(&self, document: &Document<&str>, key: &str) -> Option<Found> {
-        let mut table: &dyn TableLike = document.as_table();
-        let mut found = None;
-        let mut parts = key.split('.').peekable();
-        while let Some(part) = parts.next() {
-            let (name, index) = match part.split_once('[') {
-                Some((name, rest)) => (name, rest.trim_end_matches(']').parse::<usize>().unwrap_or(1)),
-                None => (part, 1),
-            };
-            let Some(item) = table.get(name) else { break };
-            let row = row(item, index.saturating_sub(1));
-            let is_value = row.is_none() && parts.peek().is_none();
-            // A table that is only implied, by a dotted key, stands nowhere itself.
-            if let Some(span) = row.as_ref().map_or_else(|| item.span(), |row| row.span.clone()) {
-                found = Some(Found { line: self.line_at(span.start), value: is_value.then(|| self.quote(span)) });
-            }
-            let Some(row) = row else { break };
-            table = row.table;
+        if !self.layers.is_empty() {
+            return self.layers.iter().find_map(|layer| layer.find(key));
         }
-        found
+        let Spot { span, is_value, .. } = spot(document.as_table(), key)?;
+        let line = line_at(&self.text, span.start);
+        Some(Found { place: format!("{}:{line}", self.name), line, value: is_value.then(|| quote(&self.text, span)) })
     }
 
     fn refuse_serde(&self, document: &Document<&str>, error: &toml_edit::de::Error) -> ConfigError {
@@ -137,21 +147,64 @@ impl Source {
             return ConfigError::new(vec![format!("{}: {}", self.name, refusal::say(error.message(), "", ""))]);
         };
         let key = key_at(document.as_table(), &span, "").unwrap_or_default();
-        self.refuse_at(span.start, &refusal::say(error.message(), &key, &self.quote(span)))
+        self.refuse_key(&key, span.start, &refusal::say(error.message(), &key, &quote(&self.text, span)))
     }
 
-    fn refuse_at(&self, offset: usize, message: &str) -> ConfigError {
-        ConfigError::new(vec![format!("{}:{}: {message}", self.name, self.line_at(offset))])
+    /// A message of a key, at the place where that was written, be it in another text that was laid into this one.
+    fn refuse_key(&self, key: &str, offset: usize, message: &str) -> ConfigError {
+        match self.layers.iter().find_map(|layer| layer.find(key)) {
+            Some(found) => ConfigError::new(vec![format!("{}: {message}", found.place)]),
+            None => self.refuse_at(offset, message),
+        }
     }
 
-    /// What is written at a span, on one line and not too long.
-    fn quote(&self, span: Range<usize>) -> String {
-        shorten(self.text.get(span).unwrap_or_default())
+    /// A message of what stands there.
+    pub fn refuse_at(&self, offset: usize, message: &str) -> ConfigError {
+        ConfigError::new(vec![format!("{}:{}: {message}", self.name, line_at(&self.text, offset))])
     }
+}
 
-    fn line_at(&self, offset: usize) -> usize {
-        line_at(self.text.as_bytes(), offset)
+/// Where in a text a key stands.
+pub struct Spot {
+    /// Of the key; of the nearest table that would hold it, where it is absent.
+    pub span: Range<usize>,
+    /// Whether the key is there.
+    pub is_there: bool,
+    /// Whether it is, and is no table.
+    pub is_value: bool,
+}
+
+/// Where a key stands below a table that was parsed with its spans; none where not even a table on its way is there.
+pub fn spot(table: &dyn TableLike, key: &str) -> Option<Spot> {
+    let mut table = table;
+    let mut found = None;
+    let mut parts = key.split('.').peekable();
+    while let Some(part) = parts.next() {
+        let (name, index) = match part.split_once('[') {
+            Some((name, rest)) => (name, rest.trim_end_matches(']').parse::<usize>().unwrap_or(1)),
+            None => (part, 1),
+        };
+        let Some(item) = table.get(name) else { break };
+        let row = row(item, index.saturating_sub(1));
+        let is_there = parts.peek().is_none();
+        // A table that is only implied, by a dotted key, stands nowhere itself.
+        if let Some(span) = row.as_ref().map_or_else(|| item.span(), |row| row.span.clone()) {
+            found = Some(Spot { span, is_there, is_value: is_there && row.is_none() });
+        }
+        let Some(row) = row else { break };
+        table = row.table;
     }
+    found
+}
+
+/// What is written at a span, on one line and not too long.
+pub fn quote(text: &str, span: Range<usize>) -> String {
+    shorten(text.get(span).unwrap_or_default())
+}
+
+/// The line of a byte, counted from one.
+pub fn line_at(text: impl AsRef<[u8]>, offset: usize) -> usize {
+    1 + text.as_ref().iter().take(offset).filter(|&&byte| byte == b'\n').count()
 }
 
 /// The first line of a text, and no more of it than is good in a message.
@@ -160,10 +213,6 @@ fn shorten(text: &str) -> String {
     let first = text.lines().next().unwrap_or_default().trim();
     let short: String = first.chars().take(QUOTED_CHARS_MAX).filter(|c| !c.is_control()).collect();
     if short.len() < text.len() { short + "..." } else { short }
-}
-
-fn line_at(text: &[u8], offset: usize) -> usize {
-    1 + text.iter().take(offset).filter(|&&byte| byte == b'\n').count()
 }
 
 /// A table that stands under a key, alone or as one of many.

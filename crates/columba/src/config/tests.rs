@@ -2,6 +2,7 @@
 
 use super::*;
 
+mod contenders;
 mod manual;
 
 /// A small file that is good; tests change one line of it. `radius_m` is on line 18.

@@ -10,7 +10,8 @@ use crate::flight::Flight;
 
 const PAGE: &str = include_str!("../../assets/report.html");
 const REPLAY: &str = include_str!("../../assets/replay.html");
-const CSS: &str = include_str!("../../assets/report.css");
+/// How a page looks.
+pub const CSS: &str = include_str!("../../assets/report.css");
 const JS: &str = include_str!("../../assets/report.js");
 
 /// The whole page. Download links lead to the figures' files beside it.
@@ -99,7 +100,7 @@ fn table(name: &str, value: &str, rows: Vec<(String, String)>) -> String {
 }
 
 /// The template with every `{{name}}` replaced. What is put in is not searched again, so no value can call up another.
-fn fill(template: &str, values: &[(&str, &str)]) -> String {
+pub fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut filled = String::with_capacity(template.len() + values.iter().map(|(_, value)| value.len()).sum::<usize>());
     let mut rest = template;
     while let Some((before, after)) = rest.split_once("{{") {

@@ -6,12 +6,15 @@ pub mod figures;
 mod html;
 mod png;
 #[cfg(test)]
-mod sample;
+pub(crate) mod sample;
 mod svg;
 mod words;
 
 pub use figures::Figure;
+pub(crate) use html::{CSS, fill};
 pub use png::{PngError, to_png};
+pub(crate) use svg::escape;
+pub(crate) use words::headline;
 
 use crate::{
     flight::Flight,
@@ -21,7 +24,7 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// Pixels of a PNG for every px of the SVG: 480 dots per inch when a figure is as wide as a paper's column.
-const PNG_SCALE: f64 = 3.0;
+pub(crate) const PNG_SCALE: f64 = 3.0;
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -33,7 +36,7 @@ pub enum ReportError {
     #[error("figure {name}: {source}")]
     Png {
         /// The figure.
-        name: &'static str,
+        name: String,
         /// What went wrong.
         source: PngError,
     },
@@ -48,7 +51,7 @@ pub fn write(folder: &Path, flight: &Flight) -> Result<(), ReportError> {
     let figures = figures::all(flight);
     let page = html::page(flight, &figures)?;
     figures.par_iter().try_for_each(|Figure { name, svg, .. }| {
-        let png = to_png(svg, PNG_SCALE).map_err(|source| ReportError::Png { name, source })?;
+        let png = to_png(svg, PNG_SCALE).map_err(|source| ReportError::Png { name: (*name).to_owned(), source })?;
         folder.write(&format!("figures/{name}.svg"), svg.as_bytes())?;
         Ok::<(), ReportError>(folder.write(&format!("figures/{name}.png"), &png)?)
     })?;

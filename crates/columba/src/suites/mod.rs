@@ -1,6 +1,5 @@
 //! Optimisers on test problems whose true fronts are known: how near they come, over many seeds and on equal terms.
 
-mod statistics;
 mod tables;
 
 pub use tables::{fronts, indicators, markdown, reference_fronts, timings};

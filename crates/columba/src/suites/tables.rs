@@ -1,7 +1,7 @@
 //! What a comparison leaves behind: Parquet files for scripts and a Markdown table for people.
 
-use super::statistics::{Median, median};
 use super::{Plan, Solve};
+use crate::compare::statistics::{Interval, median, median_interval};
 use crate::record::{Column, table_parquet};
 use optimizer::Algorithm;
 use optimizer::suites::Suite;
@@ -98,7 +98,7 @@ fn table(plan: &Plan, solves: &[Solve], title: &str, indicator: fn(&Solve) -> f6
     for &problem in &plan.problems {
         let cell = |&optimizer: &Algorithm| {
             let of = |solve: &&Solve| solve.problem == problem && solve.optimizer == optimizer;
-            median(solves.iter().filter(of).map(indicator)).map_or_else(String::new, cell)
+            cell(&solves.iter().filter(of).map(indicator).collect::<Vec<f64>>())
         };
         let cells: Vec<String> = plan.optimizers.iter().map(cell).collect();
         // Writing to a string cannot fail.
@@ -107,6 +107,8 @@ fn table(plan: &Plan, solves: &[Solve], title: &str, indicator: fn(&Solve) -> f6
     text
 }
 
-fn cell(Median { median, interval }: Median) -> String {
-    interval.map_or_else(|| format!("{median:.4}"), |[low, high]| format!("{median:.4} [{low:.4}, {high:.4}]"))
+fn cell(values: &[f64]) -> String {
+    let median = median(values).map_or_else(String::new, |median| format!("{median:.4}"));
+    let interval = median_interval(values).map(|Interval { low, high }| format!(" [{low:.4}, {high:.4}]"));
+    median + &interval.unwrap_or_default()
 }

@@ -129,7 +129,7 @@ impl LookAhead {
                 _ => flights.follow_law(&self.commander, law, expected, weights),
             }
             flights.advance(&self.step);
-            flights.add_progress(expected, scene.detected);
+            flights.add_progress(law, expected, scene.detected);
         }
     }
 

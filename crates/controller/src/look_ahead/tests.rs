@@ -80,11 +80,12 @@ fn plain(law: &LawSettings, settings: &LookAheadSettings, scene: &Scene<'_>, wei
                 sum.cost_2 += law.influence_factor * (gap + (vx - there.vx_mps).abs() + (vy - there.vy_mps).abs());
             }
         }
+        let speed_mps = scene.expected.speed_mps;
+        let deviation_mps = (ahead_x * speed_mps - vx).abs() + (ahead_y * speed_mps - vy).abs();
         sum.cost_1 += if scene.detected {
-            -(state.x_m * ahead_x + state.y_m * ahead_y)
+            law.velocity_cost_s * deviation_mps - (state.x_m * ahead_x + state.y_m * ahead_y)
         } else {
-            let speed_mps = scene.expected.speed_mps;
-            (ahead_x * speed_mps - vx).abs() + (ahead_y * speed_mps - vy).abs()
+            deviation_mps
         };
     }
     sum.cost_1 /= steps as f64;
@@ -104,11 +105,13 @@ fn state() -> impl Strategy<Value = State> {
 }
 
 fn law() -> impl Strategy<Value = LawSettings> {
-    (any::<bool>(), 0.0..4.0f64, 8.0..20.0f64).prop_map(|(nearest, obstacle_margin_m, communication_distance_m)| {
+    let numbers = (0.0..4.0f64, 8.0..20.0f64, 0.0..2.0f64);
+    (any::<bool>(), numbers).prop_map(|(nearest, (obstacle_margin_m, communication_distance_m, velocity_cost_s))| {
         LawSettings {
             obstacle_rule: if nearest { ObstacleRule::Nearest } else { ObstacleRule::Blocking },
             obstacle_margin_m,
             communication_distance_m,
+            velocity_cost_s,
             altitude_law: AltitudeLaw::Hold,
             ..LawSettings::default()
         }
