@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         Command::Fly(args) => commands::fly(&cli, args),
         Command::Compare(args) => commands::compare(&cli, args),
         Command::Check(args) => commands::check(&cli, args),
+        Command::Suites(args) => commands::suites(&cli, args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -32,6 +32,11 @@ impl Crowding {
         for k in 0..objectives {
             let cost = |member: u32| cost(member as usize, k);
             self.order.iter_mut().for_each(|(bits, member)| *bits = ordered_bits(cost(*member)));
+            // Two objectives put a front into opposite orders: the second time there is nothing left to sort.
+            if k > 0 {
+                self.order.reverse();
+                self.order.chunk_by_mut(|a, b| a.0 == b.0).for_each(<[_]>::reverse);
+            }
             self.order.sort_unstable();
             let (Some(&(_, first)), Some(&(_, last))) = (self.order.first(), self.order.last()) else { break };
             let range = half_gap(cost(last), cost(first));

@@ -64,6 +64,11 @@ impl<'a> Costs<'a> {
         better
     }
 
+    /// Whether two candidates violate and cost the same.
+    pub(crate) fn equal(&self, a: usize, b: usize) -> bool {
+        (0..self.count).all(|k| self.cost(a, k) == self.cost(b, k)) && self.violation[a] == self.violation[b]
+    }
+
     /// By violation, then objective after objective: who dominates comes before whom it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
         let objectives = (0..self.count).map(|k| compare(self.cost(a, k), self.cost(b, k)));
@@ -83,6 +88,15 @@ pub(crate) fn ordered_bits(value: f64) -> u64 {
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
 
+/// How many of some ascending values are at most `limit`. Of few, counting them all is faster than bisection: no step waits for another.
+fn count_below(ascending: &[f64], limit: f64) -> usize {
+    if ascending.len() <= 32 {
+        ascending.iter().map(|&value| u64::from(value <= limit)).sum::<u64>() as usize
+    } else {
+        ascending.partition_point(|&value| value <= limit)
+    }
+}
+
 const NOBODY: u32 = u32::MAX;
 
 /// The fast non-dominated sort: divides candidates into fronts, of which each dominates the next. Keeps its buffers.
@@ -93,7 +107,7 @@ const NOBODY: u32 = u32::MAX;
 /// front's last member: O(n log n). With more, every member is asked: O(n^2) at worst. Equal candidates share a front.
 #[derive(Clone, Debug, Default)]
 pub struct NonDominatedSort {
-    order: Vec<Entry>,
+    order: Entries,
     ranks: Vec<u32>,
     /// The last member of each front and its last objective; of each candidate, the one that joined its front before it.
     last: Vec<u32>,
@@ -104,19 +118,56 @@ pub struct NonDominatedSort {
     ends: Vec<u32>,
 }
 
-/// A candidate with a key that decides most comparisons without a look at the costs: whether it violates at all, then how
-/// much or else its first objective, but for the last bit. Keys are never in another order than candidates, only equal.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    key: u64,
-    candidate: u32,
+/// Candidates, each as a key that decides most comparisons without a look at the costs: from the highest bit whether it
+/// violates at all, then how much or else its first objective, but for the last bits, which are the candidate's number.
+/// So they sort as numbers do, and only runs of keys that are equal but for the candidate need the costs.
+#[derive(Clone, Debug, Default)]
+struct Entries {
+    keys: Vec<u64>,
+    /// The bits that are a candidate's number.
+    number: u64,
+}
+
+impl Entries {
+    /// All candidates in lexicographic order, ties by lowest index.
+    fn order(&mut self, costs: &Costs<'_>) {
+        let first_objective = if costs.objectives() > 0 { costs.objective(0) } else { costs.violation };
+        let number = (costs.len() as u64).next_power_of_two() - 1;
+        self.number = number;
+        self.keys.clear();
+        self.keys.extend(first_objective.iter().zip(costs.violation).zip(0..).map(
+            |((&first_objective, &violation), candidate)| {
+                let key = if violation > 0.0 {
+                    1 << 63 | ordered_bits(violation) >> 1
+                } else {
+                    ordered_bits(first_objective) >> 1
+                };
+                key & !number | candidate
+            },
+        ));
+        self.keys.sort_unstable();
+        for ties in self.keys.chunk_by_mut(|a, b| a & !number == b & !number).filter(|ties| ties.len() > 1) {
+            ties.sort_unstable_by(|a, b| {
+                costs.lexicographic((a & number) as usize, (b & number) as usize).then(a.cmp(b))
+            });
+        }
+    }
+
+    fn candidate(&self, key: u64) -> usize {
+        (key & self.number) as usize
+    }
+
+    /// Whether only a look at the costs tells two candidates apart.
+    fn tied(&self, a: u64, b: u64) -> bool {
+        (a ^ b) & !self.number == 0
+    }
 }
 
 impl NonDominatedSort {
     /// Makes room for `candidates`, so that sorting up to so many allocates nothing.
     pub fn reserve(&mut self, candidates: usize) {
-        self.order.clear();
-        self.order.reserve(candidates);
+        self.order.keys.clear();
+        self.order.keys.reserve(candidates);
         self.last_cost.clear();
         self.last_cost.reserve(candidates);
         for buffer in [&mut self.ranks, &mut self.last, &mut self.previous, &mut self.members, &mut self.ends] {
@@ -127,30 +178,9 @@ impl NonDominatedSort {
 
     /// Sorts. Results stay readable until the next call.
     pub fn sort(&mut self, costs: &Costs<'_>) {
-        self.order_lexicographically(costs);
+        self.order.order(costs);
         self.assign_ranks(costs);
         self.collect_fronts();
-    }
-
-    fn order_lexicographically(&mut self, costs: &Costs<'_>) {
-        let first_objective = if costs.objectives() > 0 { costs.objective(0) } else { costs.violation };
-        self.order.clear();
-        self.order.extend(first_objective.iter().zip(costs.violation).zip(0..).map(
-            |((&first_objective, &violation), candidate)| {
-                let key = if violation > 0.0 {
-                    1 << 63 | ordered_bits(violation) >> 1
-                } else {
-                    ordered_bits(first_objective) >> 1
-                };
-                Entry { key, candidate }
-            },
-        ));
-        self.order.sort_unstable_by(|a, b| {
-            a.key.cmp(&b.key).then_with(|| {
-                let rest = costs.lexicographic(a.candidate as usize, b.candidate as usize);
-                rest.then(a.candidate.cmp(&b.candidate))
-            })
-        });
     }
 
     fn assign_ranks(&mut self, costs: &Costs<'_>) {
@@ -161,36 +191,34 @@ impl NonDominatedSort {
         self.last.clear();
         self.last_cost.clear();
         let mut least_rank = 0;
-        let mut before = None::<Entry>;
-        for &entry in &self.order {
-            let candidate = entry.candidate as usize;
+        let mut before = None::<u64>;
+        for &key in &self.order.keys {
+            let candidate = self.order.candidate(key);
             let cost = costs.cost(candidate, costs.objectives().saturating_sub(1));
-            let equal = before.is_some_and(|before| {
-                before.key == entry.key && costs.lexicographic(before.candidate as usize, candidate).is_eq()
-            });
-            if before.is_some_and(|before| costs.violation[before.candidate as usize] < costs.violation[candidate]) {
-                least_rank = self.last.len();
-            }
-            let rank = match before {
-                Some(before) if equal => self.ranks[before.candidate as usize] as usize,
-                _ if costs.objectives() <= 2 => {
-                    least_rank + self.last_cost[least_rank..].partition_point(|&last_cost| last_cost <= cost)
-                }
-                _ => {
-                    let dominates = |&last: &u32| self.front_dominates(costs, last, candidate);
-                    least_rank + self.last[least_rank..].partition_point(dominates)
+            let rank = match before.map(|before| (self.order.candidate(before), self.order.tied(before, key))) {
+                Some((before, true)) if costs.equal(before, candidate) => self.ranks[before] as usize,
+                before => {
+                    if before.is_some_and(|(before, _)| costs.violation[before] < costs.violation[candidate]) {
+                        least_rank = self.last.len();
+                    }
+                    if costs.objectives() <= 2 {
+                        least_rank + count_below(&self.last_cost[least_rank..], cost)
+                    } else {
+                        let dominates = |&last: &u32| self.front_dominates(costs, last, candidate);
+                        least_rank + self.last[least_rank..].partition_point(dominates)
+                    }
                 }
             };
             if rank < self.last.len() {
                 self.previous[candidate] = self.last[rank];
-                self.last[rank] = entry.candidate;
+                self.last[rank] = candidate as u32;
                 self.last_cost[rank] = cost;
             } else {
-                self.last.push(entry.candidate);
+                self.last.push(candidate as u32);
                 self.last_cost.push(cost);
             }
             self.ranks[candidate] = rank as u32;
-            before = Some(entry);
+            before = Some(key);
         }
     }
 
@@ -219,10 +247,11 @@ impl NonDominatedSort {
             start += std::mem::replace(end, start);
         }
         self.members.clear();
-        self.members.resize(self.order.len(), 0);
-        for &Entry { candidate, .. } in &self.order {
-            let slot = &mut self.ends[self.ranks[candidate as usize] as usize];
-            self.members[*slot as usize] = candidate;
+        self.members.resize(self.ranks.len(), 0);
+        for &key in &self.order.keys {
+            let candidate = self.order.candidate(key);
+            let slot = &mut self.ends[self.ranks[candidate] as usize];
+            self.members[*slot as usize] = candidate as u32;
             *slot += 1;
         }
     }

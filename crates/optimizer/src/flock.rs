@@ -7,7 +7,7 @@ use crate::crowding::Crowding;
 use crate::dominance::NonDominatedSort;
 use crate::optimizer::{Front, FrontBuffer, OptimizeError};
 use crate::population::{Population, remove_rows, uniform};
-use crate::problem::Problem;
+use crate::problem::{Bounds, Problem};
 use crate::stream::Stream;
 
 /// Pigeons with velocities, their Pareto sorting, its centre and the archive A. Keeps its buffers.
@@ -76,6 +76,12 @@ impl ParetoFlock {
         self.archive.offer(&self.swarm.candidates(), &self.swarm.costs(), pareto_front);
     }
 
+    /// The same for the first generation, of which at least one candidate must not be refused.
+    pub fn judge_first(&mut self, problem: &mut dyn Problem) -> Result<(), OptimizeError> {
+        self.judge(problem);
+        if self.archive.is_empty() { Err(OptimizeError::NoFiniteCandidate) } else { Ok(()) }
+    }
+
     /// The first line of Eq. 18: the `removed` worst pigeons leave, by rank, then crowding (Eq. 17), then the highest index. Only a front of
     /// which some leave and some stay needs its crowding known.
     pub fn remove_worst(&mut self, removed: usize) {
@@ -107,6 +113,31 @@ impl ParetoFlock {
     pub fn front(&mut self) -> Front<'_> {
         self.archive.write(&mut self.front);
         self.front.front()
+    }
+}
+
+/// Algorithm 1, for whoever has a flock and knows how it flies.
+pub(crate) trait Evolve {
+    fn flock(&mut self) -> &mut ParetoFlock;
+
+    /// The rest of Eq. 18, or what stands for it, at iteration `nc`, counted from 1.
+    fn fly(&mut self, nc: usize, bounds: &[Bounds], rng: &mut Stream);
+
+    /// Lines 3 to 11, after the flock's start.
+    fn evolve(
+        &mut self,
+        iterations: usize,
+        removed_per_iteration: usize,
+        problem: &mut dyn Problem,
+        rng: &mut Stream,
+    ) -> Result<Front<'_>, OptimizeError> {
+        self.flock().judge_first(problem)?;
+        for nc in 1..=iterations {
+            self.flock().remove_worst(removed_per_iteration);
+            self.fly(nc, problem.bounds(), rng);
+            self.flock().judge(problem);
+        }
+        Ok(self.flock().front())
     }
 }
 

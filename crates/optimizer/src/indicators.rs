@@ -85,7 +85,8 @@ fn volume(points: Vec<Vec<f64>>, reference: &[f64]) -> f64 {
         let limited = points[i + 1..].iter().map(|other| point.iter().zip(other).map(|(a, b)| a.max(*b)).collect());
         inclusive - volume(non_dominated(limited.collect()), reference)
     };
-    points.iter().enumerate().map(exclusive).sum()
+    // Not sum(), which makes -0 of nothing.
+    points.iter().enumerate().map(exclusive).fold(0.0, |sum, volume| sum + volume)
 }
 
 /// One of equals stays.

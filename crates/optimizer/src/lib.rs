@@ -53,10 +53,12 @@ mod optimizer;
 mod population;
 mod problem;
 pub mod selection;
+mod settings;
 mod slpio;
 mod stream;
 pub mod suites;
 mod sum;
+mod variation;
 
 pub use algorithm::{Algorithm, OptimizerSettings};
 pub use mpio::{Mpio, MpioSettings};

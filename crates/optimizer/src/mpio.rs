@@ -17,10 +17,11 @@
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
-use crate::flock::ParetoFlock;
-use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
+use crate::flock::{Evolve, ParetoFlock};
+use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
+use crate::settings::{self, check_settings};
 use crate::stream::Stream;
 
 /// The parameters of MPIO. What it shares with MSLPIO is set as there, so that both spend the same 651 evaluations.
@@ -63,45 +64,19 @@ impl MpioSettings {
     /// Whether every setting is in its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         check_settings(&[
-            ("population", self.population as f64, "from 1 to 1000000", (1..=1_000_000).contains(&self.population)),
-            (
-                "map_and_compass_factor",
-                self.map_and_compass_factor,
-                "from 0 to 1",
-                (0.0..=1.0).contains(&self.map_and_compass_factor),
-            ),
-            (
-                "transition_factor",
-                self.transition_factor,
-                "from 0 to 1000",
-                (0.0..=1000.0).contains(&self.transition_factor),
-            ),
-            ("iterations", self.iterations as f64, "at most 1000000", self.iterations <= 1_000_000),
-            (
-                "removed_per_iteration",
-                self.removed_per_iteration as f64,
-                "such that a pigeon is left for the last iteration",
-                self.iterations.saturating_mul(self.removed_per_iteration) < self.population,
-            ),
-            (
-                "velocity_limit",
-                self.velocity_limit,
-                "above 0 and at most 1",
-                self.velocity_limit > 0.0 && self.velocity_limit <= 1.0,
-            ),
-            (
-                "archive_capacity",
-                self.archive_capacity as f64,
-                "from 1 to 1000000",
-                (1..=1_000_000).contains(&self.archive_capacity),
-            ),
+            settings::count("population", self.population),
+            settings::fraction("map_and_compass_factor", self.map_and_compass_factor),
+            settings::factor("transition_factor", self.transition_factor),
+            settings::iterations("iterations", self.iterations),
+            settings::removed_per_iteration(self.removed_per_iteration, self.iterations, self.population),
+            settings::velocity_limit(self.velocity_limit),
+            settings::count("archive_capacity", self.archive_capacity),
         ])
     }
 
     /// How many candidates a solve evaluates.
     pub fn evaluations(&self) -> usize {
-        let left = |nc: usize| self.population.saturating_sub(nc.saturating_mul(self.removed_per_iteration));
-        (0..=self.iterations).fold(0, |evaluations, nc| evaluations.saturating_add(left(nc)))
+        settings::evaluations(self.population, self.removed_per_iteration, self.iterations)
     }
 
     /// w of iteration `nc`, counted from 1: how much of the update is the landmark operator's.
@@ -137,6 +112,12 @@ impl Mpio {
         self.draws.clear();
         self.draws.reserve(2 * pigeons);
         Ok(())
+    }
+}
+
+impl Evolve for Mpio {
+    fn flock(&mut self) -> &mut ParetoFlock {
+        &mut self.flock
     }
 
     /// Velocities and positions by the module's equation, clamped to their limits.
@@ -177,41 +158,15 @@ impl Optimizer for Mpio {
 
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
         self.initialise(problem, rng)?;
-        self.flock.judge(problem);
-        if self.flock.archive.is_empty() {
-            return Err(OptimizeError::NoFiniteCandidate);
-        }
-        for nc in 1..=self.settings.iterations {
-            self.flock.remove_worst(self.settings.removed_per_iteration);
-            self.fly(nc, problem.bounds(), rng);
-            self.flock.judge(problem);
-        }
-        Ok(self.flock.front())
+        self.evolve(self.settings.iterations, self.settings.removed_per_iteration, problem, rng)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{Candidates, Evaluations};
+    use crate::problem::Plane;
     use crate::stream::stream;
-
-    struct Plane([Bounds; 2]);
-
-    impl Problem for Plane {
-        fn bounds(&self) -> &[Bounds] {
-            &self.0
-        }
-
-        fn objectives(&self) -> usize {
-            2
-        }
-
-        fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
-            evaluations.objective(0).copy_from_slice(candidates.coordinate(0));
-            evaluations.objective(1).copy_from_slice(candidates.coordinate(1));
-        }
-    }
 
     #[test]
     fn the_weight_goes_from_the_leader_to_the_centre() {

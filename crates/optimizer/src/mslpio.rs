@@ -3,10 +3,11 @@
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use crate::flock::ParetoFlock;
-use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
+use crate::flock::{Evolve, ParetoFlock};
+use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
+use crate::settings::{self, check_settings};
 use crate::stream::Stream;
 
 /// The parameters of Algorithm 1. The defaults are the paper's where it gives one.
@@ -58,51 +59,15 @@ impl Default for MslpioSettings {
 impl MslpioSettings {
     /// Whether every setting is in its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let removed = self.iterations.saturating_mul(self.removed_per_iteration);
         check_settings(&[
-            (
-                "base_population",
-                self.base_population as f64,
-                "from 1 to 1000000",
-                (1..=1_000_000).contains(&self.base_population),
-            ),
-            (
-                "dimension_setting",
-                self.dimension_setting as f64,
-                "from 1 to base_population",
-                (1..=self.base_population).contains(&self.dimension_setting),
-            ),
-            (
-                "social_coefficient",
-                self.social_coefficient,
-                "from 0 to 1000",
-                (0.0..=1000.0).contains(&self.social_coefficient),
-            ),
-            (
-                "map_and_compass_factor",
-                self.map_and_compass_factor,
-                "from 0 to 1",
-                (0.0..=1.0).contains(&self.map_and_compass_factor),
-            ),
-            ("iterations", self.iterations as f64, "at most 1000000", self.iterations <= 1_000_000),
-            (
-                "removed_per_iteration",
-                self.removed_per_iteration as f64,
-                "such that a pigeon is left for the last iteration",
-                removed < self.population(),
-            ),
-            (
-                "velocity_limit",
-                self.velocity_limit,
-                "above 0 and at most 1",
-                self.velocity_limit > 0.0 && self.velocity_limit <= 1.0,
-            ),
-            (
-                "archive_capacity",
-                self.archive_capacity as f64,
-                "from 1 to 1000000",
-                (1..=1_000_000).contains(&self.archive_capacity),
-            ),
+            settings::count("base_population", self.base_population),
+            settings::dimension_setting(self.dimension_setting, self.base_population),
+            settings::factor("social_coefficient", self.social_coefficient),
+            settings::fraction("map_and_compass_factor", self.map_and_compass_factor),
+            settings::iterations("iterations", self.iterations),
+            settings::removed_per_iteration(self.removed_per_iteration, self.iterations, self.population()),
+            settings::velocity_limit(self.velocity_limit),
+            settings::count("archive_capacity", self.archive_capacity),
         ])
     }
 
@@ -113,8 +78,7 @@ impl MslpioSettings {
 
     /// How many candidates a solve evaluates.
     pub fn evaluations(&self) -> usize {
-        let left = |nc: usize| self.population().saturating_sub(nc.saturating_mul(self.removed_per_iteration));
-        (0..=self.iterations).fold(0, |evaluations, nc| evaluations.saturating_add(left(nc)))
+        settings::evaluations(self.population(), self.removed_per_iteration, self.iterations)
     }
 
     /// c1 of Eq. 18, how strongly a pigeon learns from its model: 1 - ln(D/M).
@@ -158,6 +122,12 @@ impl Mslpio {
         self.draws.clear();
         self.draws.reserve(pigeons * (1 + 2 * problem.bounds().len()));
         Ok(())
+    }
+}
+
+impl Evolve for Mslpio {
+    fn flock(&mut self) -> &mut ParetoFlock {
+        &mut self.flock
     }
 
     /// Eq. 18, second and third line, clamped to the limits (Step 2).
@@ -205,41 +175,15 @@ impl Optimizer for Mslpio {
 
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
         self.initialise(problem, rng)?;
-        self.flock.judge(problem);
-        if self.flock.archive.is_empty() {
-            return Err(OptimizeError::NoFiniteCandidate);
-        }
-        for nc in 1..=self.settings.iterations {
-            self.flock.remove_worst(self.settings.removed_per_iteration);
-            self.fly(nc, problem.bounds(), rng);
-            self.flock.judge(problem);
-        }
-        Ok(self.flock.front())
+        self.evolve(self.settings.iterations, self.settings.removed_per_iteration, problem, rng)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{Candidates, Evaluations};
+    use crate::problem::Plane;
     use crate::stream::stream;
-
-    struct Plane([Bounds; 2]);
-
-    impl Problem for Plane {
-        fn bounds(&self) -> &[Bounds] {
-            &self.0
-        }
-
-        fn objectives(&self) -> usize {
-            2
-        }
-
-        fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
-            evaluations.objective(0).copy_from_slice(candidates.coordinate(0));
-            evaluations.objective(1).copy_from_slice(candidates.coordinate(1));
-        }
-    }
 
     #[test]
     fn an_update_is_eq_18_pigeon_by_pigeon() {

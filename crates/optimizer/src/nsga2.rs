@@ -6,10 +6,12 @@ use serde::{Deserialize, Serialize};
 use crate::archive::Archive;
 use crate::crowding::Crowding;
 use crate::dominance::NonDominatedSort;
-use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError, check_settings};
+use crate::optimizer::{Front, FrontBuffer, OptimizeError, Optimizer, SettingsError};
 use crate::population::{Population, pick, uniform};
 use crate::problem::{Bounds, Problem};
+use crate::settings::{self, check_settings};
 use crate::stream::Stream;
+use crate::variation::{Crossover, Mutation};
 
 /// The parameters of NSGA-II. Rates and distribution indices are those of Deb et al., section IV.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -48,7 +50,6 @@ impl Default for Nsga2Settings {
 impl Nsga2Settings {
     /// Whether every setting is in its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let index = |index: f64| (0.0..=1000.0).contains(&index);
         check_settings(&[
             (
                 "population",
@@ -56,21 +57,16 @@ impl Nsga2Settings {
                 "even, from 2 to 1000000",
                 (2..=1_000_000).contains(&self.population) && self.population.is_multiple_of(2),
             ),
-            ("generations", self.generations as f64, "at most 1000000", self.generations <= 1_000_000),
-            (
-                "crossover_probability",
-                self.crossover_probability,
-                "from 0 to 1",
-                (0.0..=1.0).contains(&self.crossover_probability),
-            ),
-            ("crossover_index", self.crossover_index, "from 0 to 1000", index(self.crossover_index)),
+            settings::iterations("generations", self.generations),
+            settings::fraction("crossover_probability", self.crossover_probability),
+            settings::factor("crossover_index", self.crossover_index),
             (
                 "mutations_per_child",
                 self.mutations_per_child,
                 "from 0 to 1000000",
                 (0.0..=1e6).contains(&self.mutations_per_child),
             ),
-            ("mutation_index", self.mutation_index, "from 0 to 1000", index(self.mutation_index)),
+            settings::factor("mutation_index", self.mutation_index),
         ])
     }
 
@@ -82,6 +78,9 @@ impl Nsga2Settings {
 
 /// The optimiser. The front returned is the first front of the last population, without duplicates in costs. Constraints are
 /// in the sort (section VI); parents meet in tournaments drawn from two permutations of the population, so that each is in two.
+///
+/// One difference to Deb et al.: of candidates that cost the same, one has the crowding distance that it would have without the
+/// others, and these have 0. So copies leave first, instead of holding places of a full front at the expense of their neighbours.
 #[derive(Clone, Debug)]
 pub struct Nsga2 {
     settings: Nsga2Settings,
@@ -92,13 +91,18 @@ pub struct Nsga2 {
     union: Population,
     sort: NonDominatedSort,
     crowding: Crowding,
+    /// A front without copies, and then with them.
+    originals: Vec<u32>,
     by_crowding: Vec<(f64, u32)>,
     survivors: Vec<u32>,
     /// Rank and crowding distance of each parent.
     fitness: Vec<(u32, f64)>,
     tournament: Vec<u32>,
     winners: Vec<u32>,
+    /// Of each pair whether it is crossed, then whatever is drawn for one coordinate, and for which children.
+    crossed: Vec<u32>,
     draws: Vec<u32>,
+    chosen: Vec<u32>,
     first_front: Archive,
     front: FrontBuffer,
 }
@@ -115,12 +119,15 @@ impl Nsga2 {
             union: Population::default(),
             sort: NonDominatedSort::default(),
             crowding: Crowding::default(),
+            originals: Vec::new(),
             by_crowding: Vec::new(),
             survivors: Vec::new(),
             fitness: Vec::new(),
             tournament: Vec::new(),
             winners: Vec::new(),
+            crossed: Vec::new(),
             draws: Vec::new(),
+            chosen: Vec::new(),
             first_front: Archive::default(),
             front: FrontBuffer::default(),
         })
@@ -142,6 +149,8 @@ impl Nsga2 {
         self.union.reserve(2 * size, dimensions, objectives);
         self.sort.reserve(2 * size);
         self.crowding.reserve(2 * size);
+        self.originals.clear();
+        self.originals.reserve(2 * size);
         self.by_crowding.clear();
         self.by_crowding.reserve(2 * size);
         for buffer in [&mut self.survivors, &mut self.winners] {
@@ -152,8 +161,10 @@ impl Nsga2 {
         self.fitness.reserve(size);
         self.tournament.clear();
         self.tournament.reserve(2 * size);
-        self.draws.clear();
-        self.draws.reserve(draws(size, dimensions));
+        for buffer in [&mut self.crossed, &mut self.draws, &mut self.chosen] {
+            buffer.clear();
+            buffer.reserve(size + 1);
+        }
         self.first_front.clear(dimensions, objectives, size, size);
         self.front.reserve(self.first_front.capacity(), dimensions, objectives);
         Ok(())
@@ -171,12 +182,20 @@ impl Nsga2 {
             if room == 0 {
                 break;
             }
-            let front = self.sort.front(rank);
-            let distances =
-                self.crowding.distances(front.len(), costs.objectives(), |i, k| costs.cost(front[i] as usize, k));
+            self.originals.clear();
             self.by_crowding.clear();
-            self.by_crowding.extend(distances.iter().copied().zip(front.iter().copied()));
-            if front.len() > room {
+            for &member in self.sort.front(rank) {
+                match self.originals.last() {
+                    Some(&original) if costs.equal(original as usize, member as usize) => {
+                        self.by_crowding.push((0.0, member));
+                    }
+                    _ => self.originals.push(member),
+                }
+            }
+            let cost = |i: usize, k| costs.cost(self.originals[i] as usize, k);
+            let distances = self.crowding.distances(self.originals.len(), costs.objectives(), cost);
+            self.by_crowding.extend(distances.iter().copied().zip(self.originals.iter().copied()));
+            if self.by_crowding.len() > room {
                 self.by_crowding.select_nth_unstable_by(room - 1, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
                 self.by_crowding.truncate(room);
             }
@@ -199,40 +218,62 @@ impl Nsga2 {
         self.winners.clear();
         self.winners.extend(self.tournament.chunks_exact(2).map(|pair| {
             let [a, b] = [0, 1].map(|contestant| self.fitness[pair[contestant] as usize]);
-            if b.0 < a.0 || b.0 == a.0 && b.1 > a.1 { pair[1] } else { pair[0] }
+            let second_wins = (b.0 < a.0) | (b.0 == a.0) & (b.1 > a.1);
+            pair[usize::from(second_wins)]
         }));
     }
 
     /// Q_t: every two winners have two children, which are crossed and mutated.
     fn breed(&mut self, bounds: &[Bounds], rng: &mut Stream) {
         let settings = &self.settings;
-        let pairs = settings.population / 2;
         let mutation_probability = settings.mutations_per_child / bounds.len() as f64;
-        let crossover = Crossover { index: settings.crossover_index };
-        let mutation = Mutation { index: settings.mutation_index };
+        let crossover = Crossover::new(settings.crossover_index);
+        let mutation = Mutation::new(settings.mutation_index);
         self.offspring.reset(settings.population, bounds.len(), self.parents.objectives());
-        self.draws.resize(draws(settings.population, bounds.len()), 0);
-        rng.fill(&mut self.draws[..]);
-        let (crossed, draws) = self.draws.split_at(pairs);
-        for ((dimension, bounds), draws) in bounds.iter().enumerate().zip(draws.chunks_exact(7 * pairs)) {
+        self.crossed.resize(settings.population / 2, 0);
+        rng.fill(&mut self.crossed[..]);
+        for (dimension, bounds) in bounds.iter().enumerate() {
             let parents = self.parents.coordinate(dimension);
-            let children = self.offspring.coordinate_mut(dimension).chunks_exact_mut(2);
-            let pairs = self.winners.chunks_exact(2).zip(children).zip(crossed).zip(draws.chunks_exact(7));
-            for (((winners, children), &crossed), draws) in pairs {
-                let mut pair = [parents[winners[0] as usize], parents[winners[1] as usize]];
-                let draws: [f64; 7] = std::array::from_fn(|draw| uniform(draws[draw]));
-                if uniform(crossed) < settings.crossover_probability && draws[0] < 0.5 {
-                    pair = crossover.cross(pair, *bounds, draws[1], draws[2] < 0.5);
-                }
-                for (child, draws) in pair.iter_mut().zip(draws[3..].chunks_exact(2)) {
-                    if draws[0] < mutation_probability {
-                        *child = mutation.mutate(*child, *bounds, draws[1]);
-                    }
-                }
-                children.copy_from_slice(&pair);
+            let children = self.offspring.coordinate_mut(dimension);
+            for (child, &winner) in children.iter_mut().zip(&self.winners) {
+                *child = parents[winner as usize];
+            }
+            // Who is changed is settled first, without a branch, and how is drawn for them alone: that halves the time.
+            self.draws.resize(self.crossed.len(), 0);
+            rng.fill(&mut self.draws[..]);
+            let is_crossed = |(&pair, &coordinate): (&u32, &u32)| {
+                (uniform(pair) < settings.crossover_probability) & (uniform(coordinate) < 0.5)
+            };
+            choose(&mut self.chosen, self.crossed.iter().zip(&self.draws).map(is_crossed));
+            self.draws.resize(2 * self.chosen.len(), 0);
+            rng.fill(&mut self.draws[..]);
+            for (&pair, draws) in self.chosen.iter().zip(self.draws.chunks_exact(2)) {
+                let pair = &mut children[2 * pair as usize..][..2];
+                let crossed = crossover.cross([pair[0], pair[1]], *bounds, uniform(draws[0]), uniform(draws[1]) < 0.5);
+                pair.copy_from_slice(&crossed);
+            }
+            self.draws.resize(children.len(), 0);
+            rng.fill(&mut self.draws[..]);
+            choose(&mut self.chosen, self.draws.iter().map(|&draw| uniform(draw) < mutation_probability));
+            self.draws.resize(self.chosen.len(), 0);
+            rng.fill(&mut self.draws[..]);
+            for (&child, &draw) in self.chosen.iter().zip(&self.draws) {
+                let child = &mut children[child as usize];
+                *child = mutation.mutate(*child, *bounds, uniform(draw));
             }
         }
     }
+}
+
+/// The places at which a flag is set.
+fn choose(chosen: &mut Vec<u32>, flags: impl ExactSizeIterator<Item = bool>) {
+    chosen.resize(flags.len() + 1, 0);
+    let mut len = 0;
+    for (place, flag) in (0..).zip(flags) {
+        chosen[len] = place;
+        len += usize::from(flag);
+    }
+    chosen.truncate(len);
 }
 
 impl Optimizer for Nsga2 {
@@ -266,152 +307,28 @@ impl Optimizer for Nsga2 {
     }
 }
 
-/// Random numbers for a generation: for each pair whether it is crossed, and 7 for each dimension of it: whether this one is
-/// crossed, how far, and which child is which; and for each child whether it mutates, and how far.
-fn draws(population: usize, dimensions: usize) -> usize {
-    population / 2 * (1 + 7 * dimensions)
-}
-
-/// Simulated binary crossover within bounds (Deb and Agrawal 1995; bounded as in Deb's own NSGA-II): with the parents
-/// y1 < y2 and u uniform in [0, 1), the children are
-///
-/// c1 = ((y1 + y2) - b1 (y2 - y1)) / 2 and c2 = ((y1 + y2) + b2 (y2 - y1)) / 2,
-///
-/// where b = (u a)^(1 / (eta + 1)) if u <= 1 / a, else (1 / (2 - u a))^(1 / (eta + 1)); a = 2 - B^-(eta + 1); and
-/// B = 1 + 2 (y1 - lower) / (y2 - y1) for the first child, 1 + 2 (upper - y2) / (y2 - y1) for the second.
-struct Crossover {
-    index: f64,
-}
-
-impl Crossover {
-    /// The two children's values, in either order. Parents as good as equal have children equal to them.
-    fn cross(&self, parents: [f64; 2], bounds: Bounds, u: f64, swapped: bool) -> [f64; 2] {
-        let (low, high) = if parents[0] < parents[1] { (parents[0], parents[1]) } else { (parents[1], parents[0]) };
-        let gap = high - low;
-        if gap.is_nan() || gap <= 1e-14 * bounds.range() {
-            return parents;
-        }
-        // Half sums: their whole might overflow.
-        let middle = 0.5 * low + 0.5 * high;
-        let first = bounds.clamp(middle - 0.5 * self.spread((low - bounds.lower) / gap, u) * gap);
-        let second = bounds.clamp(middle + 0.5 * self.spread((bounds.upper - high) / gap, u) * gap);
-        if swapped { [second, first] } else { [first, second] }
-    }
-
-    /// b for a child whose parent is `room` gaps away from the bound.
-    fn spread(&self, room: f64, u: f64) -> f64 {
-        let alpha = 2.0 - power(1.0 / (1.0 + 2.0 * room), self.index + 1.0);
-        let base = if u <= 1.0 / alpha { u * alpha } else { 1.0 / (2.0 - u * alpha) };
-        root(base, self.index + 1.0)
-    }
-}
-
-/// Polynomial mutation within bounds (Deb and Goyal 1996; bounded as in Deb's own NSGA-II): y moves by d (upper - lower),
-///
-/// d = (2 u + (1 - 2 u) (1 - d1)^(eta + 1))^(1 / (eta + 1)) - 1 if u <= 0.5,
-/// else 1 - (2 (1 - u) + (2 u - 1) (1 - d2)^(eta + 1))^(1 / (eta + 1)),
-///
-/// where d1 and d2 are how far y is from the lower and from the upper bound, as fractions of the range.
-struct Mutation {
-    index: f64,
-}
-
-impl Mutation {
-    fn mutate(&self, value: f64, bounds: Bounds, u: f64) -> f64 {
-        let range = bounds.range();
-        if range <= 0.0 {
-            return value;
-        }
-        let exponent = self.index + 1.0;
-        let step = if u <= 0.5 {
-            let to_lower = power(1.0 - (value - bounds.lower) / range, exponent);
-            root(2.0 * u + (1.0 - 2.0 * u) * to_lower, exponent) - 1.0
-        } else {
-            let to_upper = power(1.0 - (bounds.upper - value) / range, exponent);
-            1.0 - root(2.0 * (1.0 - u) + (2.0 * u - 1.0) * to_upper, exponent)
-        };
-        bounds.clamp(value + step * range)
-    }
-}
-
-/// A power of a base that is not negative; by multiplication alone where the exponent is whole, as it commonly is: that is
-/// several times faster than `libm::pow`, and its bits are the same on every platform too.
-fn power(base: f64, exponent: f64) -> f64 {
-    if exponent != exponent.trunc() {
-        return libm::pow(base, exponent);
-    }
-    // At most 1001, by validation.
-    let (mut left, mut square, mut power) = (exponent as u32, base, 1.0);
-    while left > 0 {
-        if left % 2 == 1 {
-            power *= square;
-        }
-        square *= square;
-        left /= 2;
-    }
-    power
-}
-
-/// A root of a number that is not negative, by logarithm: near enough for a draw, and faster than `libm::pow`.
-fn root(radicand: f64, degree: f64) -> f64 {
-    libm::exp(libm::log(radicand) / degree)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const UNIT: Bounds = Bounds::new(0.0, 1.0);
-
-    #[test]
-    fn crossing_keeps_the_mean_far_from_the_bounds_and_never_leaves_them() {
-        let crossover = Crossover { index: 20.0 };
-        for u in [0.0, 0.1, 0.49, 0.51, 0.9, 0.999] {
-            let wide = Bounds::new(-1e9, 1e9);
-            let [a, b] = crossover.cross([4.0, 1.0], wide, u, false);
-            assert!((a + b - 5.0).abs() < 1e-9, "{u}: {a} {b}");
-            // Unbounded, the spread is the textbook's: (2u)^(1/21), or (1 / (2 (1 - u)))^(1/21).
-            let spread = if u <= 0.5 { 2.0 * u } else { 1.0 / (2.0 * (1.0 - u)) };
-            assert!((b - a - 3.0 * libm::pow(spread, 1.0 / 21.0)).abs() < 1e-6, "{u}: {a} {b}");
-            let swapped = crossover.cross([4.0, 1.0], wide, u, true);
-            assert_eq!(swapped, [b, a]);
-            let [a, b] = Crossover { index: 0.0 }.cross([0.01, 0.9], UNIT, u, false);
-            assert!((0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b), "{u}: {a} {b}");
-        }
-        assert_eq!(crossover.cross([0.3, 0.3], UNIT, 0.7, false), [0.3, 0.3]);
-    }
+    use crate::problem::Plane;
 
     #[test]
-    fn mutation_moves_down_below_one_half_and_reaches_the_bounds() {
-        let mutation = Mutation { index: 20.0 };
-        assert!(mutation.mutate(0.5, UNIT, 0.0).abs() < 1e-6);
-        assert!((mutation.mutate(0.5, UNIT, 0.5) - 0.5).abs() < 1e-12);
-        assert!(mutation.mutate(0.5, UNIT, 0.2) < 0.5);
-        assert!(mutation.mutate(0.5, UNIT, 0.8) > 0.5);
-        assert!((mutation.mutate(0.5, UNIT, 1.0 - 1e-16) - 1.0).abs() < 1e-6);
-        // By hand: u = 0.25, d1 = 1, so d = 0.5^(1/21) - 1.
-        assert!((mutation.mutate(1.0, UNIT, 0.25) - 0.967_532_4).abs() < 1e-6);
-        assert_eq!(mutation.mutate(2.0, Bounds::new(2.0, 2.0), 0.1), 2.0);
-    }
-
-    #[test]
-    fn a_root_is_what_libm_says() {
-        for radicand in [0.0, 1e-9, 0.2, 1.0, 7.0, 4e9] {
-            for degree in [1.0, 16.0, 21.0, 1001.0] {
-                let (ours, reference) = (root(radicand, degree), libm::pow(radicand, 1.0 / degree));
-                assert!((ours - reference).abs() <= 1e-14 * reference, "{radicand}^(1/{degree})");
-            }
-        }
-    }
-
-    #[test]
-    fn a_power_is_what_libm_says() {
-        for base in [0.0, 1e-300, 0.2, 0.999, 1.0] {
-            for exponent in [1.0, 2.0, 16.0, 21.0, 20.5, 1001.0] {
-                let (ours, reference) = (power(base, exponent), libm::pow(base, exponent));
-                assert!((ours - reference).abs() <= 1e-12 * reference, "{base}^{exponent}");
-            }
-        }
+    fn copies_leave_a_full_front_first() {
+        let settings = Nsga2Settings { population: 6, ..Nsga2Settings::default() };
+        let mut nsga2 = Nsga2::new(settings).expect("in range");
+        let mut problem = Plane([Bounds::new(0.0, 9.0); 2]);
+        // A front of seven, of which (8.5, 0.5) is the most crowded but for the copy of (4, 4).
+        nsga2.seed_candidates(&[0.0, 9.0, 1.0, 8.0, 4.0, 4.0, 4.0, 4.0, 8.0, 1.0, 9.0, 0.0]);
+        nsga2.initialise(&problem, &mut crate::stream(1, 0, 0)).expect("solvable");
+        nsga2.parents.evaluate(&mut problem);
+        nsga2.offspring.reset(6, 2, 2);
+        nsga2.offspring.coordinate_mut(0).copy_from_slice(&[8.5, 9.0, 9.0, 9.0, 9.0, 9.0]);
+        nsga2.offspring.coordinate_mut(1).copy_from_slice(&[0.5, 9.0, 9.0, 9.0, 9.0, 9.0]);
+        nsga2.offspring.evaluate(&mut problem);
+        nsga2.survive();
+        let mut left = nsga2.parents.coordinate(0).to_vec();
+        left.sort_by(f64::total_cmp);
+        assert_eq!(left, [0.0, 1.0, 4.0, 8.0, 8.5, 9.0]);
     }
 
     #[test]

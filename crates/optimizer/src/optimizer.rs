@@ -70,14 +70,6 @@ pub struct SettingsError {
     pub range: &'static str,
 }
 
-/// The first setting that is out of its range, of (name, value, range, whether it is inside).
-pub(crate) fn check_settings(checks: &[(&'static str, f64, &'static str, bool)]) -> Result<(), SettingsError> {
-    match checks.iter().find(|&&(.., valid)| !valid) {
-        Some(&(setting, value, range, _)) => Err(SettingsError { setting, value, range }),
-        None => Ok(()),
-    }
-}
-
 /// Candidates of which none dominates another, in lexicographic order of their costs. They violate the constraints
 /// equally: by 0 if any feasible candidate was found. Indices out of range panic, as an index does.
 #[derive(Clone, Copy, Debug)]

@@ -145,6 +145,26 @@ impl<'a> Evaluations<'a> {
     }
 }
 
+/// What the optimisers' own tests solve: each coordinate is an objective.
+#[cfg(test)]
+pub(crate) struct Plane(pub [Bounds; 2]);
+
+#[cfg(test)]
+impl Problem for Plane {
+    fn bounds(&self) -> &[Bounds] {
+        &self.0
+    }
+
+    fn objectives(&self) -> usize {
+        2
+    }
+
+    fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
+        evaluations.objective(0).copy_from_slice(candidates.coordinate(0));
+        evaluations.objective(1).copy_from_slice(candidates.coordinate(1));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,9 +4,10 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use crate::flock::{ParetoFlock, mean};
-use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError, check_settings};
+use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
+use crate::settings::{self, check_settings};
 use crate::stream::Stream;
 use crate::sum::SumOfObjectives;
 
@@ -52,47 +53,16 @@ impl Default for SlpioSettings {
 impl SlpioSettings {
     /// Whether every setting is in its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let iterations = |count: usize| (count as f64, "at most 1000000", count <= 1_000_000);
-        let (map, landmark) = (iterations(self.map_and_compass_iterations), iterations(self.landmark_iterations));
+        let (iterations, pigeons) = (self.landmark_iterations, self.population());
         check_settings(&[
-            (
-                "base_population",
-                self.base_population as f64,
-                "from 1 to 1000000",
-                (1..=1_000_000).contains(&self.base_population),
-            ),
-            (
-                "dimension_setting",
-                self.dimension_setting as f64,
-                "from 1 to base_population",
-                (1..=self.base_population).contains(&self.dimension_setting),
-            ),
-            (
-                "social_coefficient",
-                self.social_coefficient,
-                "from 0 to 1000",
-                (0.0..=1000.0).contains(&self.social_coefficient),
-            ),
-            (
-                "map_and_compass_factor",
-                self.map_and_compass_factor,
-                "from 0 to 1",
-                (0.0..=1.0).contains(&self.map_and_compass_factor),
-            ),
-            ("map_and_compass_iterations", map.0, map.1, map.2),
-            ("landmark_iterations", landmark.0, landmark.1, landmark.2),
-            (
-                "removed_per_iteration",
-                self.removed_per_iteration as f64,
-                "such that a pigeon is left for the last iteration",
-                self.landmark_iterations.saturating_mul(self.removed_per_iteration) < self.population(),
-            ),
-            (
-                "velocity_limit",
-                self.velocity_limit,
-                "above 0 and at most 1",
-                self.velocity_limit > 0.0 && self.velocity_limit <= 1.0,
-            ),
+            settings::count("base_population", self.base_population),
+            settings::dimension_setting(self.dimension_setting, self.base_population),
+            settings::factor("social_coefficient", self.social_coefficient),
+            settings::fraction("map_and_compass_factor", self.map_and_compass_factor),
+            settings::iterations("map_and_compass_iterations", self.map_and_compass_iterations),
+            settings::iterations("landmark_iterations", iterations),
+            settings::removed_per_iteration(self.removed_per_iteration, iterations, pigeons),
+            settings::velocity_limit(self.velocity_limit),
         ])
     }
 
@@ -226,10 +196,7 @@ impl Slpio {
     /// Both stages, one after the other.
     fn solve(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<(), OptimizeError> {
         self.initialise(problem, rng)?;
-        self.flock.judge(problem);
-        if self.flock.archive.is_empty() {
-            return Err(OptimizeError::NoFiniteCandidate);
-        }
+        self.flock.judge_first(problem)?;
         for nc in 1..=self.settings.map_and_compass_iterations {
             self.learn(nc, problem.bounds(), rng);
             self.flock.judge(problem);

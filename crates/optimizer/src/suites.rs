@@ -52,6 +52,18 @@ impl Suite {
         TestProblem { suite: self, bounds, objectives, position: Vec::new(), costs: Vec::new() }
     }
 
+    /// The problem with as many dimensions as is customary (ZDT1-3: 30, ZDT4 and 6: 10, DTLZ1: 7, DTLZ2: 12), unless others are
+    /// asked for, and with 3 objectives for DTLZ.
+    pub fn customary(self, dimensions: Option<usize>) -> TestProblem {
+        let customary = match self {
+            Self::Zdt1 | Self::Zdt2 | Self::Zdt3 => 30,
+            Self::Zdt4 | Self::Zdt6 => 10,
+            Self::Dtlz1 => 7,
+            Self::Dtlz2 => 12,
+        };
+        self.problem(dimensions.unwrap_or(customary), 3)
+    }
+
     fn is_dtlz(self) -> bool {
         matches!(self, Self::Dtlz1 | Self::Dtlz2)
     }
@@ -110,6 +122,18 @@ impl TestProblem {
                 lattice(self.objectives, divisions).into_iter().map(onto_sphere).collect()
             }
         }
+    }
+
+    /// The sample of the true front that comparisons measure IGD+ by: 1001 points of two objectives (ZDT3: those on the front), or
+    /// 496 of three.
+    pub fn reference_front(&self) -> Vec<Vec<f64>> {
+        self.pareto_front(if self.objectives == 2 { 1000 } else { 30 })
+    }
+
+    /// The point that comparisons measure hypervolume by: in every objective a tenth beyond where the front ends, at 1, or at 1/2
+    /// for DTLZ1. (ZDT3 ends earlier in f1; it has the point of the other ZDT.)
+    pub fn reference_point(&self) -> Vec<f64> {
+        vec![if self.suite == Suite::Dtlz1 { 0.55 } else { 1.1 }; self.objectives]
     }
 
     fn judge(suite: Suite, x: &[f64], costs: &mut [f64]) {

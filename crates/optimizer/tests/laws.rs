@@ -171,6 +171,38 @@ proptest! {
         prop_assert_eq!(after.ranks(), permuted);
     }
 
+    /// Of equal costs the first offered stays, so only positions may differ.
+    #[test]
+    fn permuting_an_offer_changes_no_cost_in_the_archive(
+        (population, order) in population(1..=4).prop_flat_map(|population| {
+            let order: Vec<usize> = (0..population.violation.len()).collect();
+            (Just(population), Just(order).prop_shuffle())
+        }),
+        capacity in prop_oneof![Just(1000), 1usize..12],
+    ) {
+        let before = archive_of(std::slice::from_ref(&population), capacity);
+        let after = archive_of(&[population.permuted(&order)], capacity);
+        prop_assert_eq!(front_rows(&before.front()), front_rows(&after.front()));
+        prop_assert_eq!(before.front().violation(), after.front().violation());
+    }
+
+    #[test]
+    fn permuting_a_front_without_ties_permutes_its_crowding(
+        (ranks, order) in (1usize..30).prop_flat_map(|len| {
+            let places: Vec<usize> = (0..len).collect();
+            let column = || Just(places.clone()).prop_shuffle();
+            ([column(), column(), column()], column())
+        })
+    ) {
+        let mut crowding = Crowding::default();
+        let cost = |i: usize, k: usize| (ranks[k][i] * ranks[k][i]) as f64;
+        let before = crowding.distances(order.len(), 3, cost).to_vec();
+        let after = crowding.distances(order.len(), 3, |i, k| cost(order[i], k));
+        for (i, &old) in order.iter().enumerate() {
+            prop_assert_eq!(after[i], before[old]);
+        }
+    }
+
     #[test]
     fn crowding_is_eq_17(costs in prop::collection::vec(prop::array::uniform3(-10i32..10), 1..30)) {
         let costs: Vec<[f64; 3]> = costs.into_iter().map(|row| row.map(f64::from)).collect();

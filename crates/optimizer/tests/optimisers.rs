@@ -206,7 +206,7 @@ fn golden_solves() {
     let golden: [(&str, usize, u64); 4] = [
         ("MSLPIO", 48, 0x6d62_b442_0d05_cff6),
         ("MPIO", 145, 0xb319_5bd1_97c0_fea9),
-        ("NSGA-II", 50, 0x1d0a_6d4c_0b93_8c5b),
+        ("NSGA-II", 50, 0x5266_8c60_b6bb_6f4a),
         ("SL-PIO", 1, 0x337b_49a0_6838_0ef3),
     ];
     assert_eq!(hashes, golden, "{hashes:#x?}");

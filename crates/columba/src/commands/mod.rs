@@ -4,12 +4,14 @@ mod check;
 mod compare;
 mod fly;
 mod run;
+mod suites;
 mod vehicles;
 
 pub use check::check;
 pub use compare::compare;
 pub use fly::fly;
 pub use run::run;
+pub use suites::suites;
 pub use vehicles::vehicles;
 
 use crate::args::Cli;

@@ -3,10 +3,12 @@
 mod folder;
 mod parquet;
 mod summary;
+mod table;
 
 pub use folder::RunFolder;
 pub use parquet::trajectory_parquet;
 pub use summary::summary_json;
+pub use table::{Column, table_parquet};
 
 use crate::flight::Flight;
 

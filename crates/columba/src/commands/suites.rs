@@ -1,0 +1,41 @@
+//! `columba suites`: optimisers on test problems.
+
+use super::{Failure, print_line, start_threads};
+use crate::args::{Cli, SuitesArgs};
+use crate::record::RunFolder;
+use crate::suites::{self, Plan};
+use anyhow::anyhow;
+use indicatif::{ProgressBar, ProgressDrawTarget};
+use std::io::IsTerminal;
+
+/// Solves everything, writes the folder and prints the table.
+pub fn suites(cli: &Cli, args: &SuitesArgs) -> Result<(), Failure> {
+    let plan = Plan {
+        problems: args.problems.clone(),
+        optimizers: args.optimizers.clone(),
+        seeds: args.seeds.as_slice().to_vec(),
+        population: args.population,
+        generations: args.generations,
+        dimensions: args.dimensions,
+    };
+    start_threads(cli)?;
+    let folder = RunFolder::create(&args.out)
+        .map_err(|error| anyhow!("--out: {error}: must be a folder that can be made and written into"))?;
+    let bar = ProgressBar::new(plan.solves() as u64);
+    if cli.quiet || !std::io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+    }
+    let solves = plan.run(|| bar.inc(1))?;
+    bar.finish_and_clear();
+
+    let table = suites::markdown(&plan, &solves);
+    folder.write("fronts.parquet", &suites::fronts(&solves)?)?;
+    folder.write("indicators.parquet", &suites::indicators(&plan, &solves)?)?;
+    folder.write("reference-fronts.parquet", &suites::reference_fronts(&plan)?)?;
+    folder.write("timings.parquet", &suites::timings(&solves)?)?;
+    folder.write("table.md", table.as_bytes())?;
+    if !cli.quiet {
+        print_line(format_args!("{table}\nwritten: {}", folder.path().display()));
+    }
+    Ok(())
+}
