@@ -3,10 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::optimizer::{Optimizer, SettingsError};
-use crate::{Mpio, MpioSettings, Mslpio, MslpioSettings, Nsga2, Nsga2Settings, Slpio, SlpioSettings};
+use crate::{
+    Mpio, MpioSettings, Mslpio, MslpioSettings, Nsga2, Nsga2Settings, Random, RandomSettings, Slpio, SlpioSettings,
+};
 
 /// Of each optimiser its key in a scenario file, its type and the type of its settings. The settings have a default,
-/// `validate` and `evaluations`; the optimiser is made from them by `new`.
+/// `validate`, `evaluations` and `with_budget`; the optimiser is made from them by `new`.
 macro_rules! algorithms {
     ($($(#[$about:meta])+ $key:ident: $optimizer:ident($settings:ident);)+) => {
         /// Which optimiser.
@@ -55,6 +57,11 @@ macro_rules! algorithms {
                 match self.algorithm { $(Algorithm::$optimizer => self.$key.evaluations()),+ }
             }
 
+            /// These settings with so many generations of so many candidates, whichever optimiser is asked for: equal terms.
+            pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
+                Self { algorithm: self.algorithm, $($key: self.$key.with_budget(candidates, generations)),+ }
+            }
+
             /// Whether the settings of every optimiser are in range; else the first that has one which is not, and which.
             ///
             /// # Errors
@@ -76,6 +83,8 @@ algorithms! {
     nsga2: Nsga2(Nsga2Settings);
     /// Social learning pigeon-inspired optimisation, of the sum of the objectives.
     slpio: Slpio(SlpioSettings);
+    /// Random search, the control.
+    random: Random(RandomSettings);
 }
 
 #[cfg(test)]
@@ -89,6 +98,18 @@ mod tests {
             let name = settings.build().expect("in range").name().replace('-', "").to_lowercase();
             assert_eq!(name.replace("ii", "2"), algorithm.key());
             assert!((650..=651).contains(&settings.evaluations()), "{name}");
+        }
+    }
+
+    #[test]
+    fn with_a_budget_everyone_spends_as_much() {
+        for &algorithm in Algorithm::ALL {
+            let settings = OptimizerSettings { algorithm, ..OptimizerSettings::default() };
+            for (candidates, generations) in [(6, 1), (10, 4), (100, 250)] {
+                let settings = settings.with_budget(candidates, generations);
+                assert_eq!(settings.evaluations(), candidates * generations, "{algorithm:?}");
+                assert!(settings.build().is_ok(), "{algorithm:?}");
+            }
         }
     }
 

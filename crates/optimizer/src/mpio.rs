@@ -79,6 +79,13 @@ impl MpioSettings {
         settings::evaluations(self.population, self.removed_per_iteration, self.iterations)
     }
 
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
+    /// optimisers comparable. Nobody leaves the flock.
+    pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
+        let iterations = generations.saturating_sub(1);
+        Self { population: candidates, iterations, removed_per_iteration: 0, archive_capacity: candidates, ..self }
+    }
+
     /// w of iteration `nc`, counted from 1: how much of the update is the landmark operator's.
     fn landmark_weight(&self, nc: usize) -> f64 {
         // The only iteration there is is the first.

@@ -81,6 +81,19 @@ impl MslpioSettings {
         settings::evaluations(self.population(), self.removed_per_iteration, self.iterations)
     }
 
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
+    /// optimisers comparable. Nobody leaves the flock.
+    pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
+        Self {
+            // Of Eq. 13, which adds one for every five of D.
+            base_population: candidates.saturating_sub(self.dimension_setting / 5),
+            iterations: generations.saturating_sub(1),
+            removed_per_iteration: 0,
+            archive_capacity: candidates,
+            ..self
+        }
+    }
+
     /// c1 of Eq. 18, how strongly a pigeon learns from its model: 1 - ln(D/M).
     pub fn learning_factor(&self) -> f64 {
         1.0 - libm::log(self.dimension_setting as f64 / self.base_population as f64)

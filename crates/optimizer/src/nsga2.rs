@@ -74,6 +74,12 @@ impl Nsga2Settings {
     pub fn evaluations(&self) -> usize {
         self.population.saturating_mul(self.generations.saturating_add(1))
     }
+
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
+    /// optimisers comparable.
+    pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
+        Self { population: candidates, generations: generations.saturating_sub(1), ..self }
+    }
 }
 
 /// The optimiser. The front returned is the first front of the last population, without duplicates in costs. Constraints are

@@ -78,6 +78,20 @@ impl SlpioSettings {
         (1..=self.landmark_iterations).fold(map_and_compass, |evaluations, nc| evaluations.saturating_add(left(nc)))
     }
 
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
+    /// optimisers comparable. Nobody leaves the flock, and a quarter of the
+    /// iterations are of the landmark stage.
+    pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
+        let iterations = generations.saturating_sub(1);
+        Self {
+            base_population: candidates.saturating_sub(self.dimension_setting / 5),
+            map_and_compass_iterations: iterations - iterations / 4,
+            landmark_iterations: iterations / 4,
+            removed_per_iteration: 0,
+            ..self
+        }
+    }
+
     /// c1 of Eq. 14, how strongly a pigeon learns from its demonstrator: 1 - ln(D/M).
     pub fn learning_factor(&self) -> f64 {
         1.0 - libm::log(self.dimension_setting as f64 / self.base_population as f64)

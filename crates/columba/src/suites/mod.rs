@@ -6,7 +6,7 @@ pub use tables::{fronts, indicators, markdown, reference_fronts, timings};
 
 use optimizer::indicators::{hypervolume, igd_plus, rows};
 use optimizer::suites::{Suite, TestProblem};
-use optimizer::{Algorithm, MpioSettings, MslpioSettings, Nsga2Settings, OptimizerSettings, stream};
+use optimizer::{Algorithm, OptimizerSettings, stream};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -101,28 +101,7 @@ impl Plan {
     /// Every optimiser's default settings, but for what makes them comparable: as many generations of as many candidates, and a
     /// front of at most one generation. So nobody leaves a flock of pigeons.
     fn settings(&self, algorithm: Algorithm) -> OptimizerSettings {
-        let (mslpio, mpio) = (MslpioSettings::default(), MpioSettings::default());
-        let iterations = self.generations - 1;
-        OptimizerSettings {
-            algorithm,
-            mslpio: MslpioSettings {
-                // Of Eq. 13, which adds one for every five of D.
-                base_population: self.population - mslpio.dimension_setting / 5,
-                iterations,
-                removed_per_iteration: 0,
-                archive_capacity: self.population,
-                ..mslpio
-            },
-            mpio: MpioSettings {
-                population: self.population,
-                iterations,
-                removed_per_iteration: 0,
-                archive_capacity: self.population,
-                ..mpio
-            },
-            nsga2: Nsga2Settings { population: self.population, generations: iterations, ..Nsga2Settings::default() },
-            ..OptimizerSettings::default()
-        }
+        OptimizerSettings { algorithm, ..OptimizerSettings::default() }.with_budget(self.population, self.generations)
     }
 }
 
@@ -138,21 +117,6 @@ mod tests {
             population: 10,
             generations: 4,
             dimensions: Some(3),
-        }
-    }
-
-    #[test]
-    fn everyone_spends_the_same_and_holds_as_large_a_front() {
-        for (population, generations) in [(6, 1), (100, 250)] {
-            let plan = Plan { population, generations, ..plan() };
-            // All: a new one must not compete with another budget.
-            for &optimizer in Algorithm::ALL.iter().filter(|&&optimizer| optimizer != Algorithm::Slpio) {
-                let settings = plan.settings(optimizer);
-                assert_eq!(settings.evaluations(), plan.evaluations());
-                assert!(settings.build().is_ok());
-            }
-            let settings = plan.settings(Algorithm::Mpio);
-            assert_eq!((settings.mslpio.archive_capacity, settings.mpio.archive_capacity), (population, population));
         }
     }
 
