@@ -1,7 +1,8 @@
 //! What a scenario must hold: the range of every setting, and what no single setting shows.
 
 use super::Scenario;
-use super::file::{ObstaclesTable, ScenarioFile};
+use super::file::ScenarioFile;
+use super::obstacles::ObstaclesTable;
 use crate::judge::COLLISION_DISTANCE_M;
 use std::fmt::Display;
 

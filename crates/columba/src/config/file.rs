@@ -1,5 +1,6 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
+use super::obstacles::ObstaclesTable;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use optimizer::OptimizerSettings;
 use serde::{Deserialize, Serialize};
@@ -221,58 +222,6 @@ pub struct ObstacleTable {
     /// Radius, m.
     pub radius_m: f64,
 }
-
-/// Circles at random, by the scenario's seed.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct ObstaclesTable {
-    /// How many.
-    pub count: usize,
-    /// Least radius, m.
-    #[serde(default = "ObstaclesTable::radius_min_m")]
-    pub radius_min_m: f64,
-    /// Greatest radius, m.
-    #[serde(default = "ObstaclesTable::radius_max_m")]
-    pub radius_max_m: f64,
-    /// Least distance between two edges, m.
-    #[serde(default = "ObstaclesTable::gap_m")]
-    pub gap_m: f64,
-    /// Southernmost centre, m.
-    #[serde(default = "ObstaclesTable::x_min_m")]
-    pub x_min_m: f64,
-    /// Northernmost centre, m.
-    #[serde(default = "ObstaclesTable::x_max_m")]
-    pub x_max_m: f64,
-    /// Westernmost centre, m.
-    #[serde(default = "ObstaclesTable::y_min_m")]
-    pub y_min_m: f64,
-    /// Easternmost centre, m.
-    #[serde(default = "ObstaclesTable::y_max_m")]
-    pub y_max_m: f64,
-}
-
-/// One function for each default, as serde asks for it.
-macro_rules! defaults {
-    ($table:ident { $($key:ident: $value:expr),+ $(,)? }) => {
-        impl $table {
-            /// One circle.
-            pub const DEFAULT: Self = Self { count: 1, $($key: $value),+ };
-            $(fn $key() -> f64 {
-                Self::DEFAULT.$key
-            })+
-        }
-    };
-}
-
-defaults!(ObstaclesTable {
-    radius_min_m: 4.0,
-    radius_max_m: 14.0,
-    gap_m: 14.0,
-    x_min_m: 60.0,
-    x_max_m: 330.0,
-    y_min_m: -50.0,
-    y_max_m: 50.0,
-});
 
 /// Eq. 1 and 3.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]

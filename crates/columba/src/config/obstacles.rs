@@ -1,8 +1,46 @@
 //! A field of circles at random.
 
-use super::file::{ObstacleTable, ObstaclesTable};
+use super::file::ObstacleTable;
 use optimizer::stream;
 use rand::RngExt;
+use serde::{Deserialize, Serialize};
+
+/// Circles at random, by the scenario's seed.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ObstaclesTable {
+    /// How many.
+    pub count: usize,
+    /// Least radius, m.
+    pub radius_min_m: f64,
+    /// Greatest radius, m.
+    pub radius_max_m: f64,
+    /// Least distance between two edges, m.
+    pub gap_m: f64,
+    /// Southernmost centre, m.
+    pub x_min_m: f64,
+    /// Northernmost centre, m.
+    pub x_max_m: f64,
+    /// Westernmost centre, m.
+    pub y_min_m: f64,
+    /// Easternmost centre, m.
+    pub y_max_m: f64,
+}
+
+impl Default for ObstaclesTable {
+    fn default() -> Self {
+        Self {
+            count: 10,
+            radius_min_m: 4.0,
+            radius_max_m: 14.0,
+            gap_m: 14.0,
+            x_min_m: 60.0,
+            x_max_m: 330.0,
+            y_min_m: -50.0,
+            y_max_m: 50.0,
+        }
+    }
+}
 
 /// No vehicle has this index: the circles' random numbers are nobody else's.
 const NOBODY: u64 = u64::MAX;
@@ -43,7 +81,7 @@ mod tests {
 
     #[test]
     fn circles_keep_their_gap_and_their_area_and_are_others_with_another_seed() {
-        let table = ObstaclesTable { count: 10, ..ObstaclesTable::DEFAULT };
+        let table = ObstaclesTable::default();
         let circles = scatter(&table, 7);
         assert_eq!(circles.len(), 10);
         for (index, a) in circles.iter().enumerate() {
@@ -58,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_full_area_ends_the_search() {
-        let circles = scatter(&ObstaclesTable { count: 1000, ..ObstaclesTable::DEFAULT }, 1);
+        let circles = scatter(&ObstaclesTable { count: 1000, ..ObstaclesTable::default() }, 1);
         assert!((10..100).contains(&circles.len()), "{}", circles.len());
     }
 }
