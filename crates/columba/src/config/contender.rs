@@ -1,6 +1,6 @@
 //! Contenders: ways of flying a scenario that are compared, each a layer over it.
 
-use super::layer::{Layer, lay};
+use super::layer::Layer;
 use super::source::Source;
 use super::{ConfigError, Overrides, Preset, Provenance, Scenario, ScenarioFile};
 use optimizer::{Algorithm, OptimizerSettings};
@@ -99,7 +99,7 @@ fn contender(source: &Source, number: usize, table: &Table) -> Result<Contender,
     let mut tables = table.clone();
     tables.remove("name");
     let subject = format!("contender \"{name}\"");
-    let layer = Layer::of_file(source, &path, &subject, &tables);
+    let layer = Layer::of_file(source.name(), source.text(), &path, &subject, Some(&tables));
     let layer = layer.ok_or_else(|| refuse("", ": cannot be read".to_owned()))?;
     reserved(&layer)?;
     Ok(Contender { name: name.to_owned(), layer })
@@ -155,13 +155,13 @@ impl Entry {
         let changes: Vec<&Layer> = changes.iter().collect();
         // Each alone before all together: what is wrong without a contender is no contender's fault.
         for layers in [&[][..], &changes] {
-            super::tables(lay(&ground, layers), &Overrides::default())?;
+            super::tables(ground.with(layers), &Overrides::default())?;
         }
         let mut entries = Vec::with_capacity(contenders.len());
         let mut lines = Vec::new();
         for contender in contenders {
             let layers: Vec<&Layer> = changes.iter().copied().chain([&contender.layer]).collect();
-            match super::tables(lay(&ground, &layers), &Overrides::default()) {
+            match super::tables(ground.with(&layers), &Overrides::default()) {
                 Ok((file, provenance)) => entries.push(Self { file, provenance }),
                 Err(error) => lines.extend(error.lines),
             }

@@ -1,6 +1,6 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
-use super::obstacles::ObstaclesTable;
+use super::obstacles::{ObstacleTable, ObstaclesTable};
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use optimizer::OptimizerSettings;
 use serde::{Deserialize, Serialize};
@@ -209,18 +209,6 @@ pub enum Pattern {
     Wedge,
     /// Anywhere in a square as large as the grid's, no two nearer than half the spacing; by the scenario's seed.
     Random,
-}
-
-/// A circle to keep out of.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct ObstacleTable {
-    /// Northing of the centre, m.
-    pub x_m: f64,
-    /// Easting of the centre, m.
-    pub y_m: f64,
-    /// Radius, m.
-    pub radius_m: f64,
 }
 
 /// Eq. 1 and 3.

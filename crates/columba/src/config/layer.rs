@@ -1,6 +1,6 @@
 //! Layers: TOML that is laid over a scenario file, and remembers where it was written.
 
-use super::source::{Found, Source, line_at, quote, spot};
+use super::spot::{Found, line_at, quote, spot};
 use toml_edit::{Document, DocumentMut, Item, Table, TableLike, TomlError};
 
 /// What is laid over a scenario: the setting of a flag, or the tables of a contender.
@@ -28,17 +28,21 @@ impl Layer {
         Ok(Self { file: None, subject: subject.to_owned(), document, path: String::new(), table })
     }
 
-    /// A table of a file, without the keys that are not the scenario's.
-    pub(super) fn of_file(source: &Source, path: &str, subject: &str, table: &Table) -> Option<Self> {
-        let document = Document::parse(source.text().to_owned()).ok()?;
-        let table = movable(table);
-        Some(Self {
-            file: Some(source.name().to_owned()),
-            subject: subject.to_owned(),
-            document,
-            path: path.to_owned(),
-            table,
-        })
+    /// The text of a file, or of one `table` of it without the keys that are not the scenario's; none where it is no TOML.
+    pub(super) fn of_file(file: &str, text: &str, path: &str, subject: &str, table: Option<&Table>) -> Option<Self> {
+        let document = Document::parse(text.to_owned()).ok()?;
+        let table = movable(table.unwrap_or(document.as_table()));
+        Some(Self { file: Some(file.to_owned()), subject: subject.to_owned(), document, path: path.to_owned(), table })
+    }
+
+    /// The same, named in messages together with another that is laid over it.
+    pub(super) fn told_with(self, other: &Self) -> Self {
+        Self { subject: format!("with {}", other.subject), ..self }
+    }
+
+    /// The table that is laid.
+    pub(super) fn table(&self) -> &Table {
+        &self.table
     }
 
     /// What it sets, as TOML.
@@ -66,25 +70,8 @@ impl Layer {
     }
 }
 
-/// A scenario file with layers over it, each over those before it. Faults of the file itself are told with the last
-/// layer's name, for without it they are none.
-pub(super) fn lay(ground: &Source, layers: &[&Layer]) -> Source {
-    let (Ok(document), Some(last)) = (Document::parse(ground.text().to_owned()), layers.last()) else {
-        return ground.clone();
-    };
-    let mut merged = DocumentMut::from(movable(document.as_table()));
-    for layer in layers {
-        overlay(merged.as_table_mut(), &layer.table);
-    }
-    let table = Table::new();
-    let subject = format!("with {}", last.subject);
-    let ground_layer = Layer { file: Some(ground.name().to_owned()), subject, document, path: String::new(), table };
-    let uppermost_first = layers.iter().rev().copied().cloned().chain([ground_layer]).collect();
-    Source::layered(ground.name(), merged.to_string(), uppermost_first)
-}
-
 /// Tables are laid into tables, everything else takes the place of what was there.
-fn overlay(under: &mut dyn TableLike, over: &dyn TableLike) {
+pub(super) fn overlay(under: &mut dyn TableLike, over: &dyn TableLike) {
     for (key, item) in over.iter() {
         match (under.get_mut(key).and_then(Item::as_table_like_mut), item.as_table_like()) {
             (Some(under), Some(over)) => overlay(under, over),

@@ -1,5 +1,5 @@
 //! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check.rs` its rules;
-//! `source.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where; `contender.rs` and `layer.rs` are what a
+//! `source.rs`, `spot.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where; `contender.rs` and `layer.rs` are what a
 //! comparison lays over a scenario.
 
 mod check;
@@ -13,6 +13,7 @@ mod provenance;
 mod refusal;
 mod scenario;
 mod source;
+mod spot;
 
 pub use check::{COUNT_MAX, DURATION_MAX_S, SHARE_MAX};
 pub use contender::{Contender, Entry, read_contenders};

@@ -1,9 +1,20 @@
-//! A field of circles at random.
+//! Circles, one by one or at random.
 
-use super::file::ObstacleTable;
 use optimizer::stream;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
+
+/// A circle to keep out of.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleTable {
+    /// Northing of the centre, m.
+    pub x_m: f64,
+    /// Easting of the centre, m.
+    pub y_m: f64,
+    /// Radius, m.
+    pub radius_m: f64,
+}
 
 /// Circles at random, by the scenario's seed.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]

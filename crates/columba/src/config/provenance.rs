@@ -2,7 +2,8 @@
 
 use super::Overrides;
 use super::check::{Fault, Faults};
-use super::source::{ConfigError, Found, Source};
+use super::source::{ConfigError, Source};
+use super::spot::Found;
 
 /// More faults than this are counted only.
 const FAULTS_SHOWN_MAX: usize = 20;

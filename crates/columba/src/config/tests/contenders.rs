@@ -1,6 +1,5 @@
 //! Tests of what is laid over a scenario: where faults are told, and that laying changes nothing else.
 
-use super::super::layer::lay;
 use super::*;
 use crate::config::contender::contenders;
 use optimizer::Algorithm;
@@ -61,7 +60,7 @@ fn laying_nothing_over_any_example_changes_nothing() {
     for name in ["paper.toml", "random12.toml", "hundred.toml"] {
         let ground = Source::read(&folder().join(name), "a scenario").unwrap();
         let (there, _) = tables(ground.clone(), &Overrides::default()).unwrap();
-        let (laid, _) = tables(lay(&ground, &[&nothing]), &Overrides::default()).unwrap();
+        let (laid, _) = tables(ground.with(&[&nothing]), &Overrides::default()).unwrap();
         assert_eq!(serde_json::to_string(&there).unwrap(), serde_json::to_string(&laid).unwrap(), "{name}");
     }
 }
