@@ -18,7 +18,7 @@ pub struct Cli {
     /// No progress and no closing words, only what went wrong.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Threads that solve, 1 to 1024; by default as many as the machine has. The flight is the same with any number.
+    /// Threads that solve, 1 to 1024; by default as many as the machine has. What comes out is the same with any number.
     #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<u16>,
 }
@@ -237,7 +237,7 @@ pub struct SuitesArgs {
     /// Problems: zdt1, zdt2, zdt3, zdt4, zdt6, dtlz1, dtlz2.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "zdt1,zdt2,zdt3,zdt4,zdt6,dtlz1,dtlz2", value_parser = problem)]
     pub problems: Vec<Suite>,
-    /// Optimisers: mslpio, mpio, nsga2.
+    /// Optimisers: mslpio, mpio, nsga2, random.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "mslpio,mpio,nsga2", value_parser = multi_objective)]
     pub optimizers: Vec<Algorithm>,
     /// How many seeds (31: 1 to 31), or which: 101..200, or 3,5,8..9.
