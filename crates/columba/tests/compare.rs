@@ -67,12 +67,18 @@ fn what_is_flown_is_not_flown_again_and_other_flights_stay() {
     let (said, again) = compare(&["--contenders", "few.toml", "--seeds", "2"]);
     assert!(said.contains("4 of 4 are in out/journal.jsonl already"), "{said}");
     assert_eq!(first, again);
+    let figures = || room.files().into_iter().filter(|file| file.contains("figures/")).collect::<Vec<_>>();
+    assert_eq!(figures().len(), 12);
+    room.write("out/figures/own.svg", "somebody's own");
 
     // The first contender under another name; of the second nothing is asked, of a new seed one flight is.
     let (said, more) = compare(&["--optimizers", "mslpio", "--seeds", "2,9"]);
     assert!(said.contains("1 of 2 are in") && said.contains("3 flights of other comparisons stay in"), "{said}");
     assert!(more.starts_with(&first) && more.lines().count() == 5);
     assert_eq!(table(&room, "out")["scenarios"][0]["contenders"][0]["flights"], Value::from(2));
+    let figures = figures();
+    assert_eq!(figures.iter().filter(|file| file.contains("small-mslpio-")).count(), 6, "{figures:?}");
+    assert!(figures.len() == 7 && figures.contains(&"out/figures/own.svg".to_owned()), "{figures:?}");
 
     let (said, _) = compare(&["--optimizers", "mslpio", "--seeds", "2,9", "--set", "law.formation_gain=0.3"]);
     assert!(!said.contains("already"), "another setting is another flight: {said}");

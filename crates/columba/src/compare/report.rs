@@ -103,13 +103,14 @@ fn file_names(plan: &Plan) -> Vec<String> {
     names
 }
 
-/// Writes `figures/*.svg` and `*.png`, and then `report.html`.
+/// Writes `figures/*.svg` and `*.png`, in place of those of an older comparison, and then `report.html`.
 pub fn write(
     folder: &RunFolder,
     plan: &Plan,
     outcomes: &[Outcome<'_>],
     pictures: &[Picture],
 ) -> Result<(), ReportError> {
+    remove_older(folder);
     let drawings: Vec<&Drawing> = pictures.iter().flat_map(|picture| &picture.drawings).collect();
     drawings.par_iter().try_for_each(|Drawing { file, svg, .. }| {
         let png = to_png(svg, PNG_SCALE).map_err(|source| ReportError::Png { name: file.clone(), source })?;
@@ -117,6 +118,18 @@ pub fn write(
         Ok::<(), ReportError>(folder.write(&format!("figures/{file}.png"), &png)?)
     })?;
     Ok(folder.write("report.html", page(plan, outcomes, pictures).as_bytes())?)
+}
+
+/// Removes what has the name of a figure: it would tell of other contenders. Best effort, for nothing depends on it.
+fn remove_older(folder: &RunFolder) {
+    let is_ours = |name: &str| {
+        let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png"));
+        stem.is_some_and(|stem| PARTS.iter().any(|(part, ..)| stem.ends_with(&format!("-{part}"))))
+    };
+    let entries = std::fs::read_dir(folder.path().join("figures")).into_iter().flatten().flatten();
+    for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(is_ours)) {
+        let _ = std::fs::remove_file(entry.path());
+    }
 }
 
 fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture]) -> String {
