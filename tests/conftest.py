@@ -5,7 +5,6 @@ import os
 os.environ["MAVLINK20"] = "1"  # pymavlink reads it when it is imported
 
 import json
-import signal
 import socket
 import subprocess
 from pathlib import Path
@@ -13,6 +12,11 @@ from pathlib import Path
 import pyarrow.parquet
 import pytest
 from ground import Craft
+
+pytest.register_assert_rewrite("pytest_columba")
+from pytest_columba import Fleet
+
+pytest_plugins = ["pytest_columba"]
 
 PROJECT = Path(__file__).resolve().parent.parent
 RUN_PATIENCE_S = 60.0
@@ -36,11 +40,16 @@ pattern = "line"
 
 
 @pytest.fixture(scope="session")
-def program():
-    """The built program, by its path."""
+def columba_program():
+    """The built program, by its path; of that name for the plugin's sake."""
     path = Path(os.environ.get("COLUMBA_BIN", PROJECT / "target/release/columba"))
     assert path.exists(), f"{path} is not built: cargo build --release, or set COLUMBA_BIN"
     return path
+
+
+@pytest.fixture(scope="session")
+def program(columba_program):
+    return columba_program
 
 
 def bind():
@@ -68,31 +77,11 @@ def scenario(tmp_path):
     return write
 
 
-class Vehicles:
-    """`columba vehicles` on free ports, and what it says of them."""
-
-    def __init__(self, program, *options, ground_port):
-        command = [program, "vehicles", "--json", "--vehicle-port", 0, "--ground-port", ground_port, *options]
-        self.process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, text=True)
-        table = self.process.stdout.readline()
-        assert table, f"columba vehicles ended with status {self.process.wait()}"
-        self.rows = json.loads(table)["vehicles"]
-        self.crafts = []
+class Vehicles(Fleet):
+    """`columba vehicles`, to which our own ground station connects."""
 
     def connect(self):
-        self.crafts = [Craft(row) for row in self.rows]
-        return self.crafts
-
-    def stop(self):
-        for craft in self.crafts:
-            craft.close()
-        self.process.send_signal(signal.SIGINT)
-        try:
-            status = self.process.wait(timeout=10)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            raise
-        assert status == 0, f"columba vehicles ended with status {status}"
+        return super().connect(to=Craft)
 
 
 @pytest.fixture
