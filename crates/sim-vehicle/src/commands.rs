@@ -8,6 +8,7 @@
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
+use crate::parameters::Parameter;
 use crate::settings::RATE_PER_STEP_MAX;
 use crate::telemetry::Stream;
 use crate::{Mode, Vehicle};
@@ -137,6 +138,10 @@ impl Vehicle {
             MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.change_speed([p1, p2]),
             MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => self.set_message_interval([p1, p2], link),
             MavCmd::MAV_CMD_REQUEST_MESSAGE => self.request_message(p1, link),
+            MavCmd::MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => {
+                self.answer_old_request(p1, Stream::AutopilotVersion, link)
+            }
+            MavCmd::MAV_CMD_REQUEST_PROTOCOL_VERSION => self.answer_old_request(p1, Stream::ProtocolVersion, link),
             MavCmd::MAV_CMD_GET_HOME_POSITION => {
                 self.send_stream(link, Stream::HomePosition);
                 Ok(())
@@ -180,11 +185,11 @@ impl Vehicle {
     }
 
     fn check_speed(&self, speed_mps: f32) -> Result<(), Refusal> {
-        let limits = self.flight.limits();
-        if (limits.speed_min_mps..=limits.speed_max_mps).contains(&f64::from(speed_mps)) {
+        let (least, most) = (self.parameters.get(Parameter::AirspeedMin), self.parameters.get(Parameter::AirspeedMax));
+        if (least..=most).contains(&speed_mps) {
             Ok(())
         } else {
-            let range = format!("[{}, {}]", limits.speed_min_mps, limits.speed_max_mps);
+            let range = format!("[{least}, {most}]");
             Err(Refusal::failed(format!("Speed {speed_mps} m/s is outside {range}")))
         }
     }
@@ -277,6 +282,15 @@ impl Vehicle {
             }
         };
         self.links.set_interval(link, stream, interval, self.time);
+        Ok(())
+    }
+
+    /// Commands of their own for one message each, older than REQUEST_MESSAGE. Param 1: 1 to be sent it.
+    fn answer_old_request(&mut self, p1: f32, stream: Stream, link: usize) -> Result<(), Refusal> {
+        if p1 != 1.0 {
+            return Err(Refusal::failed("Request: param 1 is not 1"));
+        }
+        self.send_stream(link, stream);
         Ok(())
     }
 

@@ -10,7 +10,8 @@ pub(crate) struct Flight {
     dynamics: Dynamics,
     /// The three loops, with the lateral limit in force (a guided command may lower it).
     autopilot: Autopilot,
-    loiter_radius_m: f64,
+    lateral_limit_mps2: f64,
+    tuning: Tuning,
     start: State,
     state: State,
     previous_course_rad: f64,
@@ -21,6 +22,21 @@ pub(crate) struct Flight {
     speed: Ramp,
     altitude: Ramp,
     direction: Direction,
+}
+
+/// What parameters change of the way it flies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tuning {
+    /// Radius of a circle, m; below zero it is flown anticlockwise.
+    pub loiter_radius_m: f64,
+    /// The same for the circle round home.
+    pub rtl_radius_m: f64,
+    /// Altitude of the way home, m above it; none: the present one.
+    pub rtl_altitude_m: Option<f64>,
+    /// Speed of LOITER and RTL, m/s; none: the present one.
+    pub cruise_speed_mps: Option<f64>,
+    /// Greatest horizontal acceleration, as a multiple of gravity, beside the flight model's own.
+    pub lateral_overload_max: f64,
 }
 
 /// What sets the course.
@@ -57,7 +73,14 @@ impl Flight {
         let mut flight = Self {
             dynamics: settings.dynamics,
             autopilot: Autopilot::new(&settings.dynamics, settings.step.as_secs_f64()),
-            loiter_radius_m: settings.loiter_radius_m,
+            tuning: Tuning {
+                loiter_radius_m: settings.loiter_radius_m,
+                rtl_radius_m: settings.loiter_radius_m,
+                rtl_altitude_m: None,
+                cruise_speed_mps: None,
+                lateral_overload_max: f64::INFINITY,
+            },
+            lateral_limit_mps2: f64::INFINITY,
             start,
             state: State { speed_mps: 0.0, climb_mps: 0.0, ..start },
             previous_course_rad: start.course_rad,
@@ -151,20 +174,53 @@ impl Flight {
 
     /// Gives up the course setpoint and circles where GUIDED was entered.
     pub fn release_course(&mut self) {
-        self.circle(self.guided_point);
+        self.circle(self.guided_point, self.tuning.loiter_radius_m);
     }
 
-    fn circle(&mut self, centre: (f64, f64)) {
+    /// Flies by other parameters from now on: a circle is widened or turned round where it is.
+    pub fn retune(&mut self, tuning: Tuning) {
+        self.tuning = tuning;
+        match self.direction {
+            Direction::Course(_) => self.limit_lateral_acceleration(self.lateral_limit_mps2),
+            Direction::Circle(circle) => self.circle(circle.centre(), self.radius_m()),
+        }
+        match self.mode {
+            Mode::Loiter | Mode::Rtl => self.fly_by_itself(),
+            Mode::Cruise | Mode::Guided => {}
+        }
+    }
+
+    fn radius_m(&self) -> f64 {
+        if self.mode == Mode::Rtl { self.tuning.rtl_radius_m } else { self.tuning.loiter_radius_m }
+    }
+
+    /// Speed and altitude of the modes that need nobody.
+    fn fly_by_itself(&mut self) {
+        if let Some(speed_mps) = self.tuning.cruise_speed_mps {
+            self.set_speed(speed_mps, f64::INFINITY);
+        }
+        if let Some(altitude_m) = self.tuning.rtl_altitude_m.filter(|_| self.mode == Mode::Rtl) {
+            self.set_altitude(altitude_m, f64::INFINITY);
+        }
+    }
+
+    fn circle(&mut self, centre: (f64, f64), radius_m: f64) {
         self.limit_lateral_acceleration(f64::INFINITY);
-        self.direction =
-            Direction::Circle(Circle::new(centre, self.loiter_radius_m, &self.dynamics, self.autopilot.step_s()));
+        let dynamics = self.limited_dynamics();
+        self.direction = Direction::Circle(Circle::new(centre, radius_m, &dynamics, self.autopilot.step_s()));
     }
 
     fn limit_lateral_acceleration(&mut self, limit_mps2: f64) {
+        self.lateral_limit_mps2 = limit_mps2;
+        self.autopilot = Autopilot::new(&self.limited_dynamics(), self.autopilot.step_s());
+    }
+
+    /// The flight model with the least of the lateral limits.
+    fn limited_dynamics(&self) -> Dynamics {
         let mut dynamics = self.dynamics;
-        let overload = limit_mps2 / dynamics.limits.gravity_mps2;
+        let overload = (self.lateral_limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
         dynamics.limits.lateral_overload_max = overload.min(dynamics.limits.lateral_overload_max);
-        self.autopilot = Autopilot::new(&dynamics, self.autopilot.step_s());
+        dynamics
     }
 
     /// What it flies now, or on the rail will fly when it is released.
@@ -181,14 +237,20 @@ impl Flight {
         let here = (now.x_m, now.y_m);
         match mode {
             Mode::Cruise => {}
-            Mode::Rtl => self.circle((0.0, 0.0)),
-            Mode::Loiter => self.circle(here),
+            Mode::Rtl => {
+                self.circle((0.0, 0.0), self.tuning.rtl_radius_m);
+                self.fly_by_itself();
+            }
+            Mode::Loiter => {
+                self.circle(here, self.tuning.loiter_radius_m);
+                self.fly_by_itself();
+            }
             Mode::Guided => {
                 self.guided_point = here;
                 // Entered in flight, ArduPlane circles until it is told where to go. A start on the rail or in the air
                 // goes straight on: the flock's start is already a course.
                 if self.armed {
-                    self.circle(here);
+                    self.circle(here, self.tuning.loiter_radius_m);
                 }
             }
         }

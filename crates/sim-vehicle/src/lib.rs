@@ -4,8 +4,10 @@
 //! gives datagrams and states; [`Host`] lends sockets and a clock to any number of them.
 
 mod commands;
+mod connection;
 mod counters;
 mod endpoint;
+mod failsafe;
 mod flight;
 mod host;
 mod hosting;
@@ -13,6 +15,7 @@ mod links;
 mod lockstep;
 mod loiter;
 mod mode;
+mod parameters;
 mod services;
 mod settings;
 mod telemetry;
@@ -22,5 +25,6 @@ pub use counters::VehicleCounters;
 pub use host::{Host, HostReport, HostSettings};
 pub use hosting::{Advance, Clock, HostError, Observer};
 pub use mode::{Mode, NoSuchMode};
+pub use parameters::file::ParameterFileError;
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
 pub use vehicle::{PeerId, SetpointRefused, Transmit, Vehicle};
