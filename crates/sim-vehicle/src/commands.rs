@@ -131,6 +131,8 @@ impl Vehicle {
                 self.set_mode(Mode::Rtl);
                 Ok(())
             }
+            MavCmd::MAV_CMD_MISSION_START => self.start_mission([p1, p2]),
+            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: it starts in the air")),
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
             MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => self.guided_altitude(p3, command.z, command.frame),
@@ -173,8 +175,30 @@ impl Vehicle {
         // A cast of what is negative or too large takes the bound, which is no mode.
         let number = u32::try_from(integer(custom_mode)).unwrap_or(u32::MAX);
         let mode = Mode::from_number(number).map_err(|error| Refusal::failed(error.to_string()))?;
+        self.enter(mode)
+    }
+
+    /// AUTO needs a mission.
+    fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
+        if mode == Mode::Auto && !self.mission.is_flyable() {
+            return Err(Refusal::failed("Auto: no mission"));
+        }
         self.set_mode(mode);
         Ok(())
+    }
+
+    /// Params 1 and 2: the first and the last item to fly, which ArduPlane does not let choose either.
+    fn start_mission(&mut self, first_and_last: [f32; 2]) -> Result<(), Refusal> {
+        if first_and_last != [0.0, 0.0] {
+            return Err(Refusal::denied("Mission: first and last item must be 0"));
+        }
+        self.enter(Mode::Auto)
+    }
+
+    fn set_current_mission_item(&mut self, seq: f32) -> Result<(), Refusal> {
+        check_finite("Mission", &[seq])?;
+        let seq = u16::try_from(integer(seq)).unwrap_or(u16::MAX);
+        self.set_current_item(seq).map_err(Refusal::failed)
     }
 
     fn check_guided_command(&self, name: &str) -> Result<(), Refusal> {

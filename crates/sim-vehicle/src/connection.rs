@@ -8,8 +8,7 @@ use crate::Vehicle;
 use crate::telemetry::Stream;
 use mavlink_bridge::Target;
 use mavlink_bridge::dialect::{
-    FILE_TRANSFER_PROTOCOL_DATA, LOG_ENTRY_DATA, MISSION_ACK_DATA, MISSION_COUNT_DATA, MavDataStream, MavMissionResult,
-    MavMissionType, MavSeverity, Message, REQUEST_DATA_STREAM_DATA,
+    FILE_TRANSFER_PROTOCOL_DATA, LOG_ENTRY_DATA, MavDataStream, Message, REQUEST_DATA_STREAM_DATA,
 };
 use std::time::Duration;
 
@@ -25,28 +24,6 @@ impl Vehicle {
         for &stream in streams_of(data.req_stream_id) {
             self.links.set_interval(link, stream, interval, self.time);
         }
-    }
-
-    /// There are no missions, fences and rally points: the plan of every type is empty.
-    pub(crate) fn answer_plan_request(&mut self, link: usize, to: Target, mission_type: MavMissionType) {
-        if mission_type == MavMissionType::MAV_MISSION_TYPE_ALL {
-            self.acknowledge_plan(link, to, mission_type, MavMissionResult::MAV_MISSION_UNSUPPORTED);
-            return;
-        }
-        let Target { system_id: target_system, component_id: target_component } = to;
-        let count = MISSION_COUNT_DATA { target_system, target_component, mission_type, ..MISSION_COUNT_DATA::DEFAULT };
-        self.links.send(link, &Message::MISSION_COUNT(count));
-    }
-
-    /// Nobody can upload one.
-    pub(crate) fn refuse_plan(&mut self, link: usize, to: Target, mission_type: MavMissionType) {
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, "Missions, fences and rally points: unsupported");
-        self.acknowledge_plan(link, to, mission_type, MavMissionResult::MAV_MISSION_UNSUPPORTED);
-    }
-
-    /// What is empty is cleared.
-    pub(crate) fn clear_plan(&mut self, link: usize, to: Target, mission_type: MavMissionType) {
-        self.acknowledge_plan(link, to, mission_type, MavMissionResult::MAV_MISSION_ACCEPTED);
     }
 
     /// There are no files (<https://mavlink.io/en/services/ftp.html>): an error to the request, under the next number.
@@ -71,18 +48,6 @@ impl Vehicle {
     pub(crate) fn answer_log_request(&mut self, link: usize) {
         self.links.send(link, &Message::LOG_ENTRY(LOG_ENTRY_DATA::DEFAULT));
     }
-
-    fn acknowledge_plan(&mut self, link: usize, to: Target, mission_type: MavMissionType, result: MavMissionResult) {
-        let Target { system_id: target_system, component_id: target_component } = to;
-        let ack = MISSION_ACK_DATA {
-            target_system,
-            target_component,
-            mavtype: result,
-            mission_type,
-            ..MISSION_ACK_DATA::DEFAULT
-        };
-        self.links.send(link, &Message::MISSION_ACK(ack));
-    }
 }
 
 /// The messages of a group that the vehicle has.
@@ -91,6 +56,7 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
         MavDataStream::MAV_DATA_STREAM_ALL => &[
             Stream::SysStatus,
             Stream::GpsRawInt,
+            Stream::MissionCurrent,
             Stream::GlobalPositionInt,
             Stream::LocalPositionNed,
             Stream::Attitude,
@@ -98,7 +64,9 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
             Stream::SystemTime,
             Stream::BatteryStatus,
         ],
-        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => &[Stream::SysStatus, Stream::GpsRawInt],
+        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => {
+            &[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent]
+        }
         MavDataStream::MAV_DATA_STREAM_POSITION => &[Stream::GlobalPositionInt, Stream::LocalPositionNed],
         MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[Stream::Attitude],
         MavDataStream::MAV_DATA_STREAM_EXTRA2 => &[Stream::VfrHud],

@@ -44,6 +44,8 @@ pub(crate) struct Tuning {
 enum Direction {
     Course(f64),
     Circle(Circle),
+    /// To a place, (north, east) in m.
+    Place((f64, f64)),
 }
 
 /// A reference that moves to its target by at most so much a step.
@@ -132,6 +134,7 @@ impl Flight {
         let course_rad = match &self.direction {
             Direction::Course(course_rad) => *course_rad,
             Direction::Circle(circle) => circle.course_rad(&self.state),
+            Direction::Place(place) => self.course_to_rad(*place),
         };
         let setpoint = Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
         self.previous_course_rad = self.state.course_rad;
@@ -181,13 +184,58 @@ impl Flight {
     pub fn retune(&mut self, tuning: Tuning) {
         self.tuning = tuning;
         match self.direction {
-            Direction::Course(_) => self.limit_lateral_acceleration(self.lateral_limit_mps2),
+            Direction::Course(_) | Direction::Place(_) => self.limit_lateral_acceleration(self.lateral_limit_mps2),
             Direction::Circle(circle) => self.circle(circle.centre(), self.radius_m()),
         }
         match self.mode {
             Mode::Loiter | Mode::Rtl => self.fly_by_itself(),
-            Mode::Cruise | Mode::Guided => {}
+            Mode::Auto | Mode::Cruise | Mode::Guided => {}
         }
+    }
+
+    pub fn tuning(&self) -> &Tuning {
+        &self.tuning
+    }
+
+    /// Flies to a place, (north, east) in m, and over it.
+    pub fn fly_to(&mut self, place: (f64, f64)) {
+        self.limit_lateral_acceleration(f64::INFINITY);
+        self.direction = Direction::Place(place);
+    }
+
+    /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.
+    pub fn circle_at(&mut self, centre: (f64, f64), radius_m: f64) -> f64 {
+        self.circle(centre, radius_m);
+        match self.direction {
+            Direction::Circle(circle) => circle.radius_m(),
+            _ => radius_m,
+        }
+    }
+
+    /// Straight on.
+    pub fn hold_course(&mut self) {
+        self.set_course(self.when_released().course_rad, f64::INFINITY);
+    }
+
+    /// The course to a place. The course loop lags by its time constant behind a bearing that turns, which is fed forward:
+    /// so the vehicle flies over the place and not past it. One that is too near to turn to would be circled for ever:
+    /// the vehicle first flies away.
+    fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
+        const AHEAD_RAD: f64 = 1.0;
+        let (north, east) = (x_m - self.state.x_m, y_m - self.state.y_m);
+        let distance_m = (north * north + east * east).sqrt();
+        if distance_m < 1e-6 {
+            return self.state.course_rad;
+        }
+        let speed_mps = self.state.speed_mps;
+        let lag_m = speed_mps * self.dynamics.time_constants.course_s;
+        let tightest_m = speed_mps * speed_mps / self.limited_dynamics().limits.lateral_acceleration_max_mps2();
+        let bearing_rad = libm::atan2(east, north);
+        let off_rad = wrap_pi(bearing_rad - self.state.course_rad);
+        if off_rad.abs() > AHEAD_RAD && distance_m < 4.0 * lag_m.max(tightest_m) {
+            return self.state.course_rad;
+        }
+        bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)
     }
 
     fn radius_m(&self) -> f64 {
@@ -237,6 +285,8 @@ impl Flight {
         let here = (now.x_m, now.y_m);
         match mode {
             Mode::Cruise => {}
+            // The mission says where to; until then, as before.
+            Mode::Auto => self.fly_by_itself(),
             Mode::Rtl => {
                 self.circle((0.0, 0.0), self.tuning.rtl_radius_m);
                 self.fly_by_itself();

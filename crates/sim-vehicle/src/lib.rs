@@ -14,6 +14,7 @@ mod hosting;
 mod links;
 mod lockstep;
 mod loiter;
+mod mission;
 mod mode;
 mod parameters;
 mod services;

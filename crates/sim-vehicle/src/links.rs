@@ -4,7 +4,7 @@
 use crate::telemetry::{Instruments, Schedule, Stream};
 use crate::{PeerId, TelemetryRates, Transmit, VehicleSettings};
 use mavlink_bridge::dialect::{MavResult, Message};
-use mavlink_bridge::{Encoder, Target, Version};
+use mavlink_bridge::{Encoder, ItemKind, PlanItem, Target, Version};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -65,6 +65,24 @@ impl Links {
     /// The earliest vehicle time at which any link wants telemetry.
     pub fn next_due(&self) -> Duration {
         self.next_due
+    }
+
+    /// The version of MAVLink that a link's peer is answered in.
+    pub fn version(&self, index: usize) -> Version {
+        self.links[index].encoder.version
+    }
+
+    /// Sends an item of a mission.
+    pub fn send_plan_item(
+        &mut self,
+        index: usize,
+        seq: u16,
+        item: &PlanItem,
+        current: bool,
+        kind: ItemKind,
+        to: Target,
+    ) {
+        self.write(index, |encoder, frame| encoder.encode_plan_item(seq, item, current, kind, to, frame));
     }
 
     /// The peer of a link.

@@ -36,6 +36,11 @@ impl Circle {
         }
     }
 
+    /// Its radius, m.
+    pub fn radius_m(&self) -> f64 {
+        self.radius_m
+    }
+
     /// Its centre, (north, east) in m.
     pub fn centre(&self) -> (f64, f64) {
         self.centre

@@ -12,6 +12,8 @@ pub enum Mode {
     Rtl,
     /// Circles where it was entered, at the altitude and speed of that moment.
     Loiter,
+    /// Flies the mission.
+    Auto,
     /// Follows setpoints and the guided commands.
     Guided,
 }
@@ -51,6 +53,7 @@ impl Mode {
     pub fn number(self) -> u32 {
         match self {
             Mode::Cruise => 7,
+            Mode::Auto => 10,
             Mode::Rtl => 11,
             Mode::Loiter => 12,
             Mode::Guided => 15,
@@ -59,7 +62,7 @@ impl Mode {
 
     /// The mode of an ArduPlane number, or why there is none.
     pub fn from_number(number: u32) -> Result<Self, NoSuchMode> {
-        [Mode::Cruise, Mode::Rtl, Mode::Loiter, Mode::Guided]
+        [Mode::Cruise, Mode::Auto, Mode::Rtl, Mode::Loiter, Mode::Guided]
             .into_iter()
             .find(|mode| mode.number() == number)
             .ok_or(NoSuchMode(number))
@@ -69,6 +72,7 @@ impl Mode {
     pub fn name(self) -> &'static str {
         match self {
             Mode::Cruise => "CRUISE",
+            Mode::Auto => "AUTO",
             Mode::Rtl => "RTL",
             Mode::Loiter => "LOITER",
             Mode::Guided => "GUIDED",
@@ -102,7 +106,7 @@ mod tests {
 
     #[test]
     fn numbers_are_arduplanes() {
-        for (number, name) in [(7, "CRUISE"), (11, "RTL"), (12, "LOITER"), (15, "GUIDED")] {
+        for (number, name) in [(7, "CRUISE"), (10, "AUTO"), (11, "RTL"), (12, "LOITER"), (15, "GUIDED")] {
             let mode = Mode::from_number(number).unwrap();
             assert_eq!((mode.number(), mode.name()), (number, name));
             assert_eq!(ARDUPLANE_MODES[number as usize], name);
@@ -111,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_refusal_names_the_mode() {
-        assert_eq!(Mode::from_number(10).unwrap_err().to_string(), "Mode AUTO is not simulated");
+        assert_eq!(Mode::from_number(13).unwrap_err().to_string(), "Mode TAKEOFF is not simulated");
         assert_eq!(Mode::from_number(u32::MAX).unwrap_err().to_string(), "No such mode 4294967295");
         assert_eq!(Mode::from_number(9).unwrap_err().to_string(), "No such mode 9");
     }

@@ -9,7 +9,9 @@ use mavlink_bridge::dialect::{
     DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
 };
-use mavlink_bridge::{Frame, FrameError, Target, parameter_request, raw_command, setpoint_from_local_ned};
+use mavlink_bridge::{
+    Frame, FrameError, Target, parameter_request, plan_message, raw_command, setpoint_from_local_ned,
+};
 use std::time::Duration;
 
 /// The system that a frame is for, 0 for all; none if the frame tells nothing to anyone.
@@ -18,7 +20,9 @@ pub(crate) fn target_system(frame: &Frame<'_>, message: &Result<Message, FrameEr
         Ok(message) => Some(message.target_system_id().unwrap_or(0)),
         Err(_) => {
             let command = raw_command(frame).map(|command| command.target_system);
-            command.or_else(|| parameter_request(frame).map(|(target, _)| target.system_id))
+            let parameter = || parameter_request(frame).map(|(target, _)| target.system_id);
+            let plan = || plan_message(frame).map(|(target, ..)| target.system_id);
+            command.or_else(parameter).or_else(plan)
         }
     }
 }
@@ -31,6 +35,10 @@ impl Vehicle {
             self.serve_parameter(link, sender, &request);
             return;
         }
+        if let Some((_, mission_type, message)) = plan_message(frame) {
+            self.serve_plan(link, sender, mission_type, message);
+            return;
+        }
         match message {
             Ok(Message::HEARTBEAT(_)) => self.hear_heartbeat(sender.system_id),
             Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
@@ -40,10 +48,6 @@ impl Vehicle {
             Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
             Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
             Ok(Message::REQUEST_DATA_STREAM(data)) => self.set_data_stream(link, data),
-            Ok(Message::MISSION_REQUEST_LIST(data)) => self.answer_plan_request(link, sender, data.mission_type),
-            Ok(Message::MISSION_COUNT(data)) => self.refuse_plan(link, sender, data.mission_type),
-            Ok(Message::MISSION_WRITE_PARTIAL_LIST(data)) => self.refuse_plan(link, sender, data.mission_type),
-            Ok(Message::MISSION_CLEAR_ALL(data)) => self.clear_plan(link, sender, data.mission_type),
             Ok(Message::FILE_TRANSFER_PROTOCOL(data)) => self.refuse_file_transfer(link, sender, data),
             Ok(Message::LOG_REQUEST_LIST(_)) => self.answer_log_request(link),
             Ok(_) => {}

@@ -1,11 +1,13 @@
 //! What the vehicle says of itself, and how often.
 
 use crate::flight::Flight;
+use crate::mission::{Mission, Progress};
 use crate::{Mode, TelemetryRates};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    BATTERY_STATUS_DATA, HOME_POSITION_DATA, MavAutopilot, MavBatteryFault, MavModeFlag, MavProtocolCapability,
-    MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, SYS_STATUS_DATA,
+    BATTERY_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavBatteryFault, MavModeFlag,
+    MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
+    SYS_STATUS_DATA,
 };
 use mavlink_bridge::{local_position_ned, telemetry};
 use std::time::Duration;
@@ -20,6 +22,7 @@ pub(crate) enum Stream {
     GlobalPositionInt,
     VfrHud,
     GpsRawInt,
+    MissionCurrent,
     GpsGlobalOrigin,
     HomePosition,
     BatteryStatus,
@@ -30,7 +33,7 @@ pub(crate) enum Stream {
 }
 
 impl Stream {
-    pub const COUNT: usize = 14;
+    pub const COUNT: usize = 15;
     pub const ALL: [Stream; Self::COUNT] = [
         Stream::Heartbeat,
         Stream::SysStatus,
@@ -39,6 +42,7 @@ impl Stream {
         Stream::GlobalPositionInt,
         Stream::VfrHud,
         Stream::GpsRawInt,
+        Stream::MissionCurrent,
         Stream::GpsGlobalOrigin,
         Stream::HomePosition,
         Stream::BatteryStatus,
@@ -58,6 +62,7 @@ impl Stream {
             Stream::Attitude => 30,
             Stream::LocalPositionNed => 32,
             Stream::GlobalPositionInt => 33,
+            Stream::MissionCurrent => 42,
             Stream::GpsGlobalOrigin => 49,
             Stream::VfrHud => 74,
             Stream::BatteryStatus => 147,
@@ -76,7 +81,7 @@ impl Stream {
         match self {
             Stream::Heartbeat => rates.heartbeat_hz,
             // One group, as in ArduPlane.
-            Stream::SysStatus | Stream::GpsRawInt => rates.sys_status_hz,
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => rates.sys_status_hz,
             Stream::SystemTime => rates.system_time_hz,
             Stream::Attitude => rates.attitude_hz,
             Stream::GlobalPositionInt => rates.global_position_int_hz,
@@ -95,7 +100,7 @@ impl Stream {
     pub fn set_default_rate(self, rates: &mut TelemetryRates, rate_hz: f64) {
         let rate = match self {
             Stream::Heartbeat => &mut rates.heartbeat_hz,
-            Stream::SysStatus | Stream::GpsRawInt => &mut rates.sys_status_hz,
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => &mut rates.sys_status_hz,
             Stream::SystemTime => &mut rates.system_time_hz,
             Stream::Attitude => &mut rates.attitude_hz,
             Stream::GlobalPositionInt => &mut rates.global_position_int_hz,
@@ -180,6 +185,8 @@ pub(crate) struct Instruments<'a> {
     pub time: Duration,
     pub system_id: u8,
     pub flight: &'a Flight,
+    pub mission: &'a Mission,
+    pub progress: &'a Progress,
     pub frame: &'a LocalFrame,
     pub failsafe: bool,
     pub clock_epoch_us: u64,
@@ -216,6 +223,7 @@ impl Instruments<'_> {
                 telemetry::vfr_hud(state, origin.altitude_amsl_m + state.altitude_m, throttle_percent)
             }
             Stream::GpsRawInt => telemetry::gps_raw_int(time, state, self.frame),
+            Stream::MissionCurrent => self.mission_current(),
             Stream::BatteryStatus => unknown_battery(),
             Stream::ExtendedSysState => telemetry::extended_sys_state(self.flight.is_armed()),
             Stream::AutopilotVersion => {
@@ -232,6 +240,27 @@ impl Instruments<'_> {
                 ..HOME_POSITION_DATA::DEFAULT
             }),
         }
+    }
+
+    fn mission_current(&self) -> Message {
+        let is_flown = self.flight.mode() == Mode::Auto;
+        let mission_state = if !self.mission.is_flyable() {
+            MissionState::MISSION_STATE_NO_MISSION
+        } else if self.progress.is_complete {
+            MissionState::MISSION_STATE_COMPLETE
+        } else if is_flown {
+            MissionState::MISSION_STATE_ACTIVE
+        } else {
+            MissionState::MISSION_STATE_NOT_STARTED
+        };
+        Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
+            seq: self.progress.current,
+            // Home is not counted.
+            total: self.mission.len().saturating_sub(1),
+            mission_state,
+            mission_mode: if is_flown { 1 } else { 2 },
+            ..MISSION_CURRENT_DATA::DEFAULT
+        })
     }
 
     fn status(&self) -> MavState {
@@ -280,6 +309,8 @@ fn capabilities() -> MavProtocolCapability {
     MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }
@@ -356,6 +387,8 @@ mod tests {
         let instruments = Instruments {
             time: Duration::ZERO,
             system_id: 1,
+            mission: &Mission::default(),
+            progress: &Progress::default(),
             flight: &flight,
             frame: &frame,
             failsafe: false,
@@ -383,6 +416,8 @@ mod tests {
         let instruments = Instruments {
             time: Duration::ZERO,
             system_id: 1,
+            mission: &Mission::default(),
+            progress: &Progress::default(),
             flight: &flight,
             frame: &frame,
             failsafe: false,

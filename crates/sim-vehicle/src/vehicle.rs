@@ -4,6 +4,7 @@ use crate::failsafe::Failsafes;
 use crate::flight::Flight;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
+use crate::mission::{Mission, Progress, Upload};
 use crate::parameters::{Listings, Pace, Parameter, Parameters};
 use crate::services::target_system;
 use crate::telemetry::{Instruments, Stream};
@@ -57,6 +58,9 @@ pub struct Vehicle {
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
     pub(crate) pace: Arc<Pace>,
+    pub(crate) mission: Mission,
+    pub(crate) progress: Progress,
+    pub(crate) upload: Option<Upload>,
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     pub(crate) counters: VehicleCounters,
@@ -101,6 +105,9 @@ impl Vehicle {
             parameters_changed: false,
             listings: Listings::default(),
             pace: Arc::default(),
+            mission: Mission::default(),
+            progress: Progress::default(),
+            upload: None,
             quiet_until: Duration::ZERO,
             counters: VehicleCounters::default(),
             wire: Counters::default(),
@@ -183,6 +190,7 @@ impl Vehicle {
         self.time = tick_end;
         track.push(*self.flight.state());
         self.check_failsafes();
+        self.follow_mission();
         self.with_instruments(Links::send_due_and_position);
         self.links.end_batch();
         if let Some(lockstep) = &mut self.lockstep {
@@ -202,10 +210,10 @@ impl Vehicle {
             return None;
         }
         let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
-        [resend_at, self.listings.next_due()].into_iter().flatten().min()
+        [resend_at, self.listings.next_due(), self.upload_due()].into_iter().flatten().min()
     }
 
-    /// Tells the vehicle the host time: it forgets silent peers, goes on with lists of parameters, and in lockstep asks
+    /// Tells the vehicle the host time: it forgets silent peers, goes on with lists and uploads, and in lockstep asks
     /// again if it waits for too long.
     pub fn handle_timeout(&mut self, now: Duration) {
         self.note_host_time(now);
@@ -214,6 +222,7 @@ impl Vehicle {
             self.counters.resends += 1;
         }
         self.send_listings();
+        self.check_upload();
     }
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
@@ -279,6 +288,7 @@ impl Vehicle {
             self.time += step;
             track.push(*self.flight.state());
             self.check_failsafes();
+            self.follow_mission();
             if self.time >= self.links.next_due() {
                 self.with_instruments(Links::send_due);
             }
@@ -286,6 +296,9 @@ impl Vehicle {
     }
 
     pub(crate) fn set_mode(&mut self, mode: Mode) {
+        if mode == Mode::Auto && self.mode() != Mode::Auto {
+            self.begin_mission();
+        }
         self.flight.set_mode(mode);
         self.failsafes.setpoints_lost = false;
         self.restart_setpoint_timeout();
@@ -322,6 +335,8 @@ impl Vehicle {
             system_id: self.settings.system_id,
             flight: &self.flight,
             frame: &self.settings.frame,
+            mission: &self.mission,
+            progress: &self.progress,
             failsafe: self.failsafes.setpoints_lost || self.failsafes.ground_lost,
             clock_epoch_us: self.settings.clock_epoch_us,
         };

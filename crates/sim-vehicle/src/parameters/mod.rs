@@ -28,6 +28,7 @@ pub(crate) enum Parameter {
     AirspeedMax,
     RollLimit,
     LoiterRadius,
+    WaypointRadius,
     RtlRadius,
     RtlAltitude,
     GroundFailsafe,
@@ -37,7 +38,7 @@ pub(crate) enum Parameter {
 }
 
 impl Parameter {
-    pub const COUNT: usize = 18;
+    pub const COUNT: usize = 19;
     pub const ALL: [Parameter; Self::COUNT] = [
         Parameter::SystemId,
         Parameter::GroundSystemId,
@@ -51,6 +52,7 @@ impl Parameter {
         Parameter::AirspeedMax,
         Parameter::RollLimit,
         Parameter::LoiterRadius,
+        Parameter::WaypointRadius,
         Parameter::RtlRadius,
         Parameter::RtlAltitude,
         Parameter::GroundFailsafe,
@@ -78,6 +80,7 @@ impl Parameter {
             Parameter::AirspeedMax => "AIRSPEED_MAX",
             Parameter::RollLimit => "ROLL_LIMIT_DEG",
             Parameter::LoiterRadius => "WP_LOITER_RAD",
+            Parameter::WaypointRadius => "WP_RADIUS",
             Parameter::RtlRadius => "RTL_RADIUS",
             Parameter::RtlAltitude => "RTL_ALTITUDE",
             Parameter::GroundFailsafe => "FS_GCS_ENABL",
@@ -209,6 +212,8 @@ impl Parameters {
             Parameter::AirspeedMax => self.speed_limits_mps.1,
             Parameter::RollLimit => self.roll_limit_deg,
             Parameter::LoiterRadius => settings.loiter_radius_m.round().min(f64::from(i16::MAX)) as f32,
+            // ArduPlane's 90 m would cut the corners of short legs.
+            Parameter::WaypointRadius => 15.0,
             // ArduPlane's default climbs to 100 m; ours stays where it is.
             Parameter::RtlAltitude => -1.0,
             Parameter::LongFailsafeTimeout => 5.0,
@@ -234,6 +239,7 @@ impl Parameters {
             Parameter::AirspeedMax => (self.get(Parameter::AirspeedCruise), fastest),
             Parameter::RollLimit => (1.0, self.roll_limit_deg),
             Parameter::LoiterRadius | Parameter::RtlRadius => (-radius_most, radius_most),
+            Parameter::WaypointRadius => (1.0, radius_most),
             Parameter::RtlAltitude => (-1.0, 10_000.0),
             Parameter::GroundFailsafe | Parameter::LongFailsafeAction => (0.0, 1.0),
             Parameter::LongFailsafeTimeout => (1.0, 300.0),

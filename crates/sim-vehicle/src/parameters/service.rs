@@ -95,7 +95,9 @@ impl Vehicle {
                 self.settings.system_id = value as u8;
                 self.links.set_system_id(self.settings.system_id);
             }
-            Parameter::RateExtendedStatus => self.set_rates(&[Stream::SysStatus, Stream::GpsRawInt], value),
+            Parameter::RateExtendedStatus => {
+                self.set_rates(&[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent], value)
+            }
             Parameter::RatePosition => self.set_rates(&[Stream::LocalPositionNed, Stream::GlobalPositionInt], value),
             Parameter::RateExtra1 => self.set_rates(&[Stream::Attitude], value),
             Parameter::RateExtra2 => self.set_rates(&[Stream::VfrHud], value),
@@ -110,6 +112,7 @@ impl Vehicle {
             // These are looked at where they count.
             Parameter::GroundSystemId
             | Parameter::AirspeedMin
+            | Parameter::WaypointRadius
             | Parameter::AirspeedMax
             | Parameter::GroundFailsafe
             | Parameter::LongFailsafeAction
