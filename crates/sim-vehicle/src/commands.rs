@@ -19,10 +19,12 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Command {
     command: MavCmd,
-    params: [f32; 4],
+    pub params: [f32; 4],
+    /// Latitude and longitude of COMMAND_INT, 1e-7 degrees.
+    pub place_e7: Option<(i32, i32)>,
     /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
-    z: f32,
-    frame: MavFrame,
+    pub z: f32,
+    pub frame: MavFrame,
 }
 
 /// Why a command is not obeyed.
@@ -38,6 +40,7 @@ impl From<&COMMAND_LONG_DATA> for Command {
         Self {
             command: data.command,
             params: [data.param1, data.param2, data.param3, data.param4],
+            place_e7: None,
             z: data.param7,
             // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home.
             frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
@@ -50,6 +53,7 @@ impl From<&COMMAND_INT_DATA> for Command {
         Self {
             command: data.command,
             params: [data.param1, data.param2, data.param3, data.param4],
+            place_e7: Some((data.x, data.y)),
             z: data.z,
             frame: data.frame,
         }
@@ -64,6 +68,7 @@ impl Command {
         Self {
             command: MavCmd::MAV_CMD_DO_SET_MODE,
             params: [f32::from(base_mode), custom_mode as f32, 0.0, 0.0],
+            place_e7: None,
             z: 0.0,
             frame: MavFrame::MAV_FRAME_GLOBAL,
         }
@@ -75,15 +80,15 @@ impl Refusal {
         Self { result, reason: Some(reason.into()) }
     }
 
-    fn denied(reason: impl Into<String>) -> Self {
+    pub fn denied(reason: impl Into<String>) -> Self {
         Self::new(MavResult::MAV_RESULT_DENIED, reason)
     }
 
-    fn failed(reason: impl Into<String>) -> Self {
+    pub fn failed(reason: impl Into<String>) -> Self {
         Self::new(MavResult::MAV_RESULT_FAILED, reason)
     }
 
-    fn unsupported() -> Self {
+    pub fn unsupported() -> Self {
         Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None }
     }
 
@@ -134,6 +139,7 @@ impl Vehicle {
             MavCmd::MAV_CMD_MISSION_START => self.start_mission([p1, p2]),
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: it starts in the air")),
+            MavCmd::MAV_CMD_DO_REPOSITION => self.reposition(command),
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
             MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => self.guided_altitude(p3, command.z, command.frame),
             MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.guided_heading([p1, p2, p3]),
@@ -237,23 +243,29 @@ impl Vehicle {
     /// z: m, above what the frame says. Param 3: rate in m/s, 0 for as fast as it flies.
     fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: MavFrame) -> Result<(), Refusal> {
         self.check_guided_command("Altitude")?;
-        check_finite("Altitude", &[rate_mps, z])?;
+        check_finite("Altitude", &[rate_mps])?;
+        let altitude_m = self.altitude_above_home("Altitude", z, frame)?;
+        self.flight.set_altitude(altitude_m, limit_or_none(rate_mps));
+        self.restart_setpoint_timeout();
+        Ok(())
+    }
+
+    /// An altitude that a command gives, in m above home: terrain is as high as home.
+    pub(crate) fn altitude_above_home(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+        check_finite(name, &[z])?;
         if z == 0.0 || z == -1.0 {
-            return Err(Refusal::denied(format!("Altitude: {z} m is not accepted")));
+            return Err(Refusal::denied(format!("{name}: {z} m is not accepted")));
         }
-        let altitude_m = match frame {
+        match frame {
             MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => {
-                f64::from(z) - self.settings.frame.origin().altitude_amsl_m
+                Ok(f64::from(z) - self.settings.frame.origin().altitude_amsl_m)
             }
             MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT
             | MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
             | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT
-            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => f64::from(z),
-            other => return Err(Refusal::denied(format!("Altitude: frame {} is not accepted", other as u32))),
-        };
-        self.flight.set_altitude(altitude_m, limit_or_none(rate_mps));
-        self.restart_setpoint_timeout();
-        Ok(())
+            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => Ok(f64::from(z)),
+            other => Err(Refusal::denied(format!("{name}: frame {} is not accepted", other as u32))),
+        }
     }
 
     /// Param 1: course over ground (0), heading (1), or neither any more (2). Param 2: degrees. Param 3: greatest lateral

@@ -45,6 +45,11 @@ impl Vehicle {
         self.failsafes.setpoints_until = timeout.map_or(Duration::MAX, |timeout| self.time.saturating_add(timeout));
     }
 
+    /// Nothing is waited for until the next guided command.
+    pub(crate) fn stop_setpoint_timeout(&mut self) {
+        self.failsafes.setpoints_until = Duration::MAX;
+    }
+
     /// A heartbeat: the one of the ground station whose loss counts ends that failsafe, and the mode stays.
     pub(crate) fn hear_heartbeat(&mut self, system_id: u8) {
         if f32::from(system_id) != self.parameters.get(Parameter::GroundSystemId) {

@@ -33,11 +33,18 @@ pub(crate) struct Tuning {
     pub rtl_radius_m: f64,
     /// Altitude of the way home, m above it; none: the present one.
     pub rtl_altitude_m: Option<f64>,
+    /// Altitude to which TAKEOFF climbs, m above home.
+    pub takeoff_altitude_m: f64,
     /// Speed of LOITER and RTL, m/s; none: the present one.
     pub cruise_speed_mps: Option<f64>,
     /// Greatest horizontal acceleration, as a multiple of gravity, beside the flight model's own.
     pub lateral_overload_max: f64,
 }
+
+/// ArduPlane's default of TKOFF_ALT, m.
+pub(crate) const TAKEOFF_ALTITUDE_M: f64 = 50.0;
+/// A take-off is over when the vehicle is so near to its altitude, m.
+pub(crate) const TAKEOFF_TOLERANCE_M: f64 = 2.0;
 
 /// What sets the course.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +87,7 @@ impl Flight {
                 rtl_radius_m: settings.loiter_radius_m,
                 rtl_altitude_m: None,
                 cruise_speed_mps: None,
+                takeoff_altitude_m: TAKEOFF_ALTITUDE_M,
                 lateral_overload_max: f64::INFINITY,
             },
             lateral_limit_mps2: f64::INFINITY,
@@ -131,6 +139,9 @@ impl Flight {
         if !self.armed {
             return;
         }
+        if self.mode == Mode::Takeoff {
+            self.circle_when_up();
+        }
         let course_rad = match &self.direction {
             Direction::Course(course_rad) => *course_rad,
             Direction::Circle(circle) => circle.course_rad(&self.state),
@@ -175,21 +186,38 @@ impl Flight {
         self.limit_lateral_acceleration(lateral_acceleration_mps2);
     }
 
+    /// In GUIDED, circles another place than where it was entered.
+    pub fn reposition(&mut self, place: (f64, f64), radius_m: f64) {
+        self.guided_point = place;
+        self.circle(place, radius_m);
+    }
+
+    fn circle_when_up(&mut self) {
+        let is_up = (self.state.altitude_m - self.altitude.target).abs() <= TAKEOFF_TOLERANCE_M;
+        if is_up && matches!(self.direction, Direction::Course(_)) {
+            self.circle((self.state.x_m, self.state.y_m), self.tuning.loiter_radius_m);
+        }
+    }
+
     /// Gives up the course setpoint and circles where GUIDED was entered.
     pub fn release_course(&mut self) {
         self.circle(self.guided_point, self.tuning.loiter_radius_m);
     }
 
-    /// Flies by other parameters from now on: a circle is widened or turned round where it is.
+    /// Flies by other parameters from now on: a circle whose radius has changed is flown with the new one where it is. In
+    /// AUTO the mission says how wide.
     pub fn retune(&mut self, tuning: Tuning) {
+        let old_radius_m = self.radius_m();
         self.tuning = tuning;
         match self.direction {
-            Direction::Course(_) | Direction::Place(_) => self.limit_lateral_acceleration(self.lateral_limit_mps2),
-            Direction::Circle(circle) => self.circle(circle.centre(), self.radius_m()),
+            Direction::Circle(circle) if self.mode != Mode::Auto && self.radius_m() != old_radius_m => {
+                self.circle(circle.centre(), self.radius_m());
+            }
+            _ => self.limit_lateral_acceleration(self.lateral_limit_mps2),
         }
         match self.mode {
             Mode::Loiter | Mode::Rtl => self.fly_by_itself(),
-            Mode::Auto | Mode::Cruise | Mode::Guided => {}
+            Mode::Auto | Mode::Cruise | Mode::Guided | Mode::Takeoff => {}
         }
     }
 
@@ -285,6 +313,10 @@ impl Flight {
         let here = (now.x_m, now.y_m);
         match mode {
             Mode::Cruise => {}
+            // Who is higher already stays there, as in ArduPlane.
+            Mode::Takeoff => {
+                self.set_altitude(self.tuning.takeoff_altitude_m.max(now.altitude_m), f64::INFINITY);
+            }
             // The mission says where to; until then, as before.
             Mode::Auto => self.fly_by_itself(),
             Mode::Rtl => {

@@ -17,6 +17,7 @@ mod loiter;
 mod mission;
 mod mode;
 mod parameters;
+mod reposition;
 mod services;
 mod settings;
 mod telemetry;

@@ -14,6 +14,8 @@ pub enum Mode {
     Loiter,
     /// Flies the mission.
     Auto,
+    /// Climbs straight on to TKOFF_ALT and circles there.
+    Takeoff,
     /// Follows setpoints and the guided commands.
     Guided,
 }
@@ -56,13 +58,14 @@ impl Mode {
             Mode::Auto => 10,
             Mode::Rtl => 11,
             Mode::Loiter => 12,
+            Mode::Takeoff => 13,
             Mode::Guided => 15,
         }
     }
 
     /// The mode of an ArduPlane number, or why there is none.
     pub fn from_number(number: u32) -> Result<Self, NoSuchMode> {
-        [Mode::Cruise, Mode::Auto, Mode::Rtl, Mode::Loiter, Mode::Guided]
+        [Mode::Cruise, Mode::Auto, Mode::Rtl, Mode::Loiter, Mode::Takeoff, Mode::Guided]
             .into_iter()
             .find(|mode| mode.number() == number)
             .ok_or(NoSuchMode(number))
@@ -75,6 +78,7 @@ impl Mode {
             Mode::Auto => "AUTO",
             Mode::Rtl => "RTL",
             Mode::Loiter => "LOITER",
+            Mode::Takeoff => "TAKEOFF",
             Mode::Guided => "GUIDED",
         }
     }
@@ -106,7 +110,9 @@ mod tests {
 
     #[test]
     fn numbers_are_arduplanes() {
-        for (number, name) in [(7, "CRUISE"), (10, "AUTO"), (11, "RTL"), (12, "LOITER"), (15, "GUIDED")] {
+        for (number, name) in
+            [(7, "CRUISE"), (10, "AUTO"), (11, "RTL"), (12, "LOITER"), (13, "TAKEOFF"), (15, "GUIDED")]
+        {
             let mode = Mode::from_number(number).unwrap();
             assert_eq!((mode.number(), mode.name()), (number, name));
             assert_eq!(ARDUPLANE_MODES[number as usize], name);
@@ -115,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_refusal_names_the_mode() {
-        assert_eq!(Mode::from_number(13).unwrap_err().to_string(), "Mode TAKEOFF is not simulated");
+        assert_eq!(Mode::from_number(17).unwrap_err().to_string(), "Mode QSTABILIZE is not simulated");
         assert_eq!(Mode::from_number(u32::MAX).unwrap_err().to_string(), "No such mode 4294967295");
         assert_eq!(Mode::from_number(9).unwrap_err().to_string(), "No such mode 9");
     }

@@ -1,6 +1,7 @@
 //! AUTO: one item after the other.
 
 use super::{CHANGE_SPEED, JUMP, LOITER_TIME, LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, TAKEOFF, WAYPOINT};
+use crate::flight::TAKEOFF_TOLERANCE_M;
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};
 use flight_model::{Geodetic, wrap_pi};
@@ -9,8 +10,6 @@ use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-/// A take-off is over when the vehicle is so near to its altitude, m.
-const TAKEOFF_TOLERANCE_M: f64 = 2.0;
 /// Most items that are done in one step without any flying between them: jumps may go round for ever.
 const ITEMS_AT_ONCE_MAX: usize = 100;
 

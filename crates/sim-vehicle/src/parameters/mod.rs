@@ -10,7 +10,7 @@ pub(crate) use pace::Pace;
 pub(crate) use service::Listings;
 
 use crate::VehicleSettings;
-use crate::flight::Tuning;
+use crate::flight::{TAKEOFF_ALTITUDE_M, Tuning};
 use mavlink_bridge::dialect::MavParamType;
 
 /// One parameter. The order is that of the list, and so of the indices.
@@ -31,6 +31,7 @@ pub(crate) enum Parameter {
     WaypointRadius,
     RtlRadius,
     RtlAltitude,
+    TakeoffAltitude,
     GroundFailsafe,
     LongFailsafeAction,
     LongFailsafeTimeout,
@@ -38,7 +39,7 @@ pub(crate) enum Parameter {
 }
 
 impl Parameter {
-    pub const COUNT: usize = 19;
+    pub const COUNT: usize = 20;
     pub const ALL: [Parameter; Self::COUNT] = [
         Parameter::SystemId,
         Parameter::GroundSystemId,
@@ -55,6 +56,7 @@ impl Parameter {
         Parameter::WaypointRadius,
         Parameter::RtlRadius,
         Parameter::RtlAltitude,
+        Parameter::TakeoffAltitude,
         Parameter::GroundFailsafe,
         Parameter::LongFailsafeAction,
         Parameter::LongFailsafeTimeout,
@@ -83,6 +85,7 @@ impl Parameter {
             Parameter::WaypointRadius => "WP_RADIUS",
             Parameter::RtlRadius => "RTL_RADIUS",
             Parameter::RtlAltitude => "RTL_ALTITUDE",
+            Parameter::TakeoffAltitude => "TKOFF_ALT",
             Parameter::GroundFailsafe => "FS_GCS_ENABL",
             Parameter::LongFailsafeAction => "FS_LONG_ACTN",
             Parameter::LongFailsafeTimeout => "FS_LONG_TIMEOUT",
@@ -99,6 +102,7 @@ impl Parameter {
             | Parameter::AirspeedMax
             | Parameter::RollLimit
             | Parameter::RtlAltitude
+            | Parameter::TakeoffAltitude
             | Parameter::LongFailsafeTimeout => MavParamType::MAV_PARAM_TYPE_REAL32,
             Parameter::RunTime => MavParamType::MAV_PARAM_TYPE_INT32,
             _ => MavParamType::MAV_PARAM_TYPE_INT16,
@@ -190,6 +194,7 @@ impl Parameters {
             loiter_radius_m,
             rtl_radius_m: set(Parameter::RtlRadius).filter(|radius_m| *radius_m != 0.0).unwrap_or(loiter_radius_m),
             rtl_altitude_m,
+            takeoff_altitude_m: f64::from(self.get(Parameter::TakeoffAltitude)),
             cruise_speed_mps: set(Parameter::AirspeedCruise),
             lateral_overload_max: set(Parameter::RollLimit)
                 .map_or(f64::INFINITY, |limit_deg| libm::tan(limit_deg.to_radians())),
@@ -216,6 +221,7 @@ impl Parameters {
             Parameter::WaypointRadius => 15.0,
             // ArduPlane's default climbs to 100 m; ours stays where it is.
             Parameter::RtlAltitude => -1.0,
+            Parameter::TakeoffAltitude => TAKEOFF_ALTITUDE_M as f32,
             Parameter::LongFailsafeTimeout => 5.0,
             Parameter::RtlRadius | Parameter::GroundFailsafe | Parameter::LongFailsafeAction | Parameter::RunTime => {
                 0.0
@@ -241,6 +247,7 @@ impl Parameters {
             Parameter::LoiterRadius | Parameter::RtlRadius => (-radius_most, radius_most),
             Parameter::WaypointRadius => (1.0, radius_most),
             Parameter::RtlAltitude => (-1.0, 10_000.0),
+            Parameter::TakeoffAltitude => (0.0, 200.0),
             Parameter::GroundFailsafe | Parameter::LongFailsafeAction => (0.0, 1.0),
             Parameter::LongFailsafeTimeout => (1.0, 300.0),
             Parameter::RunTime => (0.0, 0.0),

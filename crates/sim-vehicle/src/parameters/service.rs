@@ -103,6 +103,7 @@ impl Vehicle {
             Parameter::RateExtra2 => self.set_rates(&[Stream::VfrHud], value),
             Parameter::RateExtra3 => self.set_rates(&[Stream::SystemTime], value),
             Parameter::AirspeedCruise
+            | Parameter::TakeoffAltitude
             | Parameter::RollLimit
             | Parameter::LoiterRadius
             | Parameter::RtlRadius
