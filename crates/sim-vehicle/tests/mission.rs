@@ -287,8 +287,12 @@ fn the_current_item_is_set_and_auto_goes_on_from_it() {
         client.command_long(MAV_CMD_DO_SET_MISSION_CURRENT, [5.0, 0.0, 0.0]),
         Some(MavResult::MAV_RESULT_FAILED)
     );
-    let set = MISSION_SET_CURRENT_DATA { seq: 3, target_system: TARGET, target_component: 1 };
-    client.ask(&Message::MISSION_SET_CURRENT(set));
+    for (seq, expected, words) in [(9, 1, vec!["Mission: no item 9"]), (3, 3, vec![])] {
+        let set = MISSION_SET_CURRENT_DATA { seq, target_system: TARGET, target_component: 1 };
+        let answer = client.ask(&Message::MISSION_SET_CURRENT(set));
+        assert!(matches!(answer.last(), Some(Message::MISSION_CURRENT(current)) if current.seq == expected));
+        assert_eq!(texts(&answer), words);
+    }
     assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]), Some(MavResult::MAV_RESULT_ACCEPTED));
     client.fly(5.0);
     assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 15.0, 0.0]), Some(MavResult::MAV_RESULT_ACCEPTED));

@@ -4,6 +4,7 @@
 #![allow(deprecated)]
 
 use super::{ITEMS_MAX, WAYPOINT, check};
+use crate::telemetry::Stream;
 use crate::{PeerId, Vehicle};
 use mavlink_bridge::dialect::{
     MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavMissionResult,
@@ -71,6 +72,8 @@ impl Vehicle {
                 if let Err(reason) = self.set_current_item(seq) {
                     self.say(MavSeverity::MAV_SEVERITY_WARNING, &reason);
                 }
+                // It has no acknowledgement of its own: this tells what has become of it.
+                self.send_stream(link, Stream::MissionCurrent);
             }
         }
     }
