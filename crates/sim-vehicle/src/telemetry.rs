@@ -286,7 +286,8 @@ impl Instruments<'_> {
         Message::SYS_STATUS(SYS_STATUS_DATA {
             onboard_control_sensors_present: sensors,
             onboard_control_sensors_enabled: sensors,
-            onboard_control_sensors_health: sensors,
+            // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
+            onboard_control_sensors_health: sensors | MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE,
             // No battery is simulated: the values that mean "not known".
             voltage_battery: u16::MAX,
             current_battery: -1,

@@ -1,5 +1,5 @@
 //! What ground stations ask when they connect, and that each question has its answer.
-#![allow(clippy::unwrap_used, deprecated)]
+#![allow(clippy::panic, clippy::unwrap_used, deprecated)]
 
 mod common;
 
@@ -122,6 +122,16 @@ fn data_streams_are_set_for_the_asking_link_and_cut_to_what_it_can() {
     let mut ids: Vec<u32> = client.collect().iter().map(Message::message_id).collect();
     ids.sort_unstable();
     assert_eq!(ids, [1, 2, 24, 30, 32, 33, 42, 74, 147]);
+}
+
+#[test]
+fn the_fence_that_is_not_there_is_not_breached() {
+    let mut client = Client::new(quiet());
+    let answer = client.ask(&long(TARGET, MavCmd::MAV_CMD_REQUEST_MESSAGE, [1.0, 0.0, 0.0]));
+    let Some(Message::SYS_STATUS(status)) = answer.iter().find(is(1)) else { panic!() };
+    let fence = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+    assert!(!status.onboard_control_sensors_present.contains(fence));
+    assert!(status.onboard_control_sensors_health.contains(fence));
 }
 
 #[test]
