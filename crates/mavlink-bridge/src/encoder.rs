@@ -52,7 +52,12 @@ impl Encoder {
         });
     }
 
-    fn write_frame(&mut self, id: u32, out: &mut Vec<u8>, write: impl FnOnce(MavlinkVersion, &mut [u8]) -> usize) {
+    pub(crate) fn write_frame(
+        &mut self,
+        id: u32,
+        out: &mut Vec<u8>,
+        write: impl FnOnce(MavlinkVersion, &mut [u8]) -> usize,
+    ) {
         let start = out.len();
         let [id_0, id_1, id_2, _] = id.to_le_bytes();
         let sender = [self.sequence, self.system_id, self.component_id];

@@ -3,9 +3,14 @@
 //! Positions and velocities travel as `f32`, north-east-down from the local origin. [`wire_round`] gives what is left of
 //! a state after that journey.
 
+// Clients still ask for what the dialect calls superseded.
+#![allow(deprecated)]
+
 use crate::dialect::{
-    ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_GLOBAL_ORIGIN_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA,
-    MavAutopilot, MavModeFlag, MavState, MavType, Message, SYSTEM_TIME_DATA, VFR_HUD_DATA,
+    ATTITUDE_DATA, AUTOPILOT_VERSION_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA, GPS_GLOBAL_ORIGIN_DATA,
+    GPS_RAW_INT_DATA, GpsFixType, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavAutopilot, MavLandedState, MavModeFlag,
+    MavProtocolCapability, MavState, MavType, MavVtolState, Message, PROTOCOL_VERSION_DATA, SYSTEM_TIME_DATA,
+    VFR_HUD_DATA,
 };
 use flight_model::{Geodetic, LocalFrame, State, wrap_pi};
 use std::f64::consts::TAU;
@@ -132,6 +137,60 @@ pub fn gps_global_origin(time_boot: Duration, origin: &Geodetic) -> Message {
         longitude: (origin.longitude_deg * 1e7).round() as i32,
         altitude: (origin.altitude_amsl_m * 1e3).round() as i32,
         time_usec: u64::try_from(time_boot.as_micros()).unwrap_or(u64::MAX),
+    })
+}
+
+/// GPS_RAW_INT of a receiver with a fix and no error, heights above the ellipsoid as above the sea
+/// (<https://mavlink.io/en/messages/common.html#GPS_RAW_INT>).
+pub fn gps_raw_int(time_boot: Duration, state: &State, frame: &LocalFrame) -> Message {
+    let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
+    let altitude_mm = (place.altitude_amsl_m * 1e3).round() as i32;
+    Message::GPS_RAW_INT(GPS_RAW_INT_DATA {
+        time_usec: u64::try_from(time_boot.as_micros()).unwrap_or(u64::MAX),
+        lat: (place.latitude_deg * 1e7).round() as i32,
+        lon: (place.longitude_deg * 1e7).round() as i32,
+        alt: altitude_mm,
+        eph: 100,
+        epv: 100,
+        vel: (state.speed_mps * 1e2).round() as u16,
+        cog: heading_cdeg(state.course_rad),
+        fix_type: GpsFixType::GPS_FIX_TYPE_3D_FIX,
+        satellites_visible: 10,
+        alt_ellipsoid: altitude_mm,
+        ..GPS_RAW_INT_DATA::DEFAULT
+    })
+}
+
+/// AUTOPILOT_VERSION: a released version of the flight software, what it can do, and a number that tells one vehicle from
+/// another (<https://mavlink.io/en/messages/common.html#AUTOPILOT_VERSION>).
+pub fn autopilot_version([major, minor, patch]: [u8; 3], capabilities: MavProtocolCapability, uid: u64) -> Message {
+    const RELEASED: u8 = 255;
+    Message::AUTOPILOT_VERSION(AUTOPILOT_VERSION_DATA {
+        capabilities,
+        uid,
+        flight_sw_version: u32::from_be_bytes([major, minor, patch, RELEASED]),
+        ..AUTOPILOT_VERSION_DATA::DEFAULT
+    })
+}
+
+/// PROTOCOL_VERSION: MAVLink 2, and MAVLink 1 for those who speak it
+/// (<https://mavlink.io/en/messages/common.html#PROTOCOL_VERSION>).
+pub fn protocol_version() -> Message {
+    Message::PROTOCOL_VERSION(PROTOCOL_VERSION_DATA {
+        version: 200,
+        min_version: 100,
+        max_version: 200,
+        ..PROTOCOL_VERSION_DATA::DEFAULT
+    })
+}
+
+/// EXTENDED_SYS_STATE of an aeroplane (<https://mavlink.io/en/messages/common.html#EXTENDED_SYS_STATE>).
+pub fn extended_sys_state(in_air: bool) -> Message {
+    let landed_state =
+        if in_air { MavLandedState::MAV_LANDED_STATE_IN_AIR } else { MavLandedState::MAV_LANDED_STATE_ON_GROUND };
+    Message::EXTENDED_SYS_STATE(EXTENDED_SYS_STATE_DATA {
+        vtol_state: MavVtolState::MAV_VTOL_STATE_UNDEFINED,
+        landed_state,
     })
 }
 

@@ -8,6 +8,7 @@
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
+use crate::parameters::Parameter;
 use crate::settings::RATE_PER_STEP_MAX;
 use crate::telemetry::Stream;
 use crate::{Mode, Vehicle};
@@ -18,10 +19,12 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Command {
     command: MavCmd,
-    params: [f32; 4],
+    pub params: [f32; 4],
+    /// Latitude and longitude of COMMAND_INT, 1e-7 degrees.
+    pub place_e7: Option<(i32, i32)>,
     /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
-    z: f32,
-    frame: MavFrame,
+    pub z: f32,
+    pub frame: MavFrame,
 }
 
 /// Why a command is not obeyed.
@@ -37,6 +40,7 @@ impl From<&COMMAND_LONG_DATA> for Command {
         Self {
             command: data.command,
             params: [data.param1, data.param2, data.param3, data.param4],
+            place_e7: None,
             z: data.param7,
             // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home.
             frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
@@ -49,6 +53,7 @@ impl From<&COMMAND_INT_DATA> for Command {
         Self {
             command: data.command,
             params: [data.param1, data.param2, data.param3, data.param4],
+            place_e7: Some((data.x, data.y)),
             z: data.z,
             frame: data.frame,
         }
@@ -63,6 +68,7 @@ impl Command {
         Self {
             command: MavCmd::MAV_CMD_DO_SET_MODE,
             params: [f32::from(base_mode), custom_mode as f32, 0.0, 0.0],
+            place_e7: None,
             z: 0.0,
             frame: MavFrame::MAV_FRAME_GLOBAL,
         }
@@ -74,15 +80,15 @@ impl Refusal {
         Self { result, reason: Some(reason.into()) }
     }
 
-    fn denied(reason: impl Into<String>) -> Self {
+    pub fn denied(reason: impl Into<String>) -> Self {
         Self::new(MavResult::MAV_RESULT_DENIED, reason)
     }
 
-    fn failed(reason: impl Into<String>) -> Self {
+    pub fn failed(reason: impl Into<String>) -> Self {
         Self::new(MavResult::MAV_RESULT_FAILED, reason)
     }
 
-    fn unsupported() -> Self {
+    pub fn unsupported() -> Self {
         Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None }
     }
 
@@ -130,13 +136,20 @@ impl Vehicle {
                 self.set_mode(Mode::Rtl);
                 Ok(())
             }
+            MavCmd::MAV_CMD_MISSION_START => self.start_mission([p1, p2]),
+            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: it starts in the air")),
+            MavCmd::MAV_CMD_DO_REPOSITION => self.reposition(command),
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
             MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => self.guided_altitude(p3, command.z, command.frame),
             MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.guided_heading([p1, p2, p3]),
             MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.change_speed([p1, p2]),
             MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => self.set_message_interval([p1, p2], link),
             MavCmd::MAV_CMD_REQUEST_MESSAGE => self.request_message(p1, link),
+            MavCmd::MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => {
+                self.answer_old_request(p1, Stream::AutopilotVersion, link)
+            }
+            MavCmd::MAV_CMD_REQUEST_PROTOCOL_VERSION => self.answer_old_request(p1, Stream::ProtocolVersion, link),
             MavCmd::MAV_CMD_GET_HOME_POSITION => {
                 self.send_stream(link, Stream::HomePosition);
                 Ok(())
@@ -168,8 +181,30 @@ impl Vehicle {
         // A cast of what is negative or too large takes the bound, which is no mode.
         let number = u32::try_from(integer(custom_mode)).unwrap_or(u32::MAX);
         let mode = Mode::from_number(number).map_err(|error| Refusal::failed(error.to_string()))?;
+        self.enter(mode)
+    }
+
+    /// AUTO needs a mission.
+    fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
+        if mode == Mode::Auto && !self.mission.is_flyable() {
+            return Err(Refusal::failed("Auto: no mission"));
+        }
         self.set_mode(mode);
         Ok(())
+    }
+
+    /// Params 1 and 2: the first and the last item to fly, which ArduPlane does not let choose either.
+    fn start_mission(&mut self, first_and_last: [f32; 2]) -> Result<(), Refusal> {
+        if first_and_last != [0.0, 0.0] {
+            return Err(Refusal::denied("Mission: first and last item must be 0"));
+        }
+        self.enter(Mode::Auto)
+    }
+
+    fn set_current_mission_item(&mut self, seq: f32) -> Result<(), Refusal> {
+        check_finite("Mission", &[seq])?;
+        let seq = u16::try_from(integer(seq)).unwrap_or(u16::MAX);
+        self.set_current_item(seq).map_err(Refusal::failed)
     }
 
     fn check_guided_command(&self, name: &str) -> Result<(), Refusal> {
@@ -180,11 +215,11 @@ impl Vehicle {
     }
 
     fn check_speed(&self, speed_mps: f32) -> Result<(), Refusal> {
-        let limits = self.flight.limits();
-        if (limits.speed_min_mps..=limits.speed_max_mps).contains(&f64::from(speed_mps)) {
+        let (least, most) = (self.parameters.get(Parameter::AirspeedMin), self.parameters.get(Parameter::AirspeedMax));
+        if (least..=most).contains(&speed_mps) {
             Ok(())
         } else {
-            let range = format!("[{}, {}]", limits.speed_min_mps, limits.speed_max_mps);
+            let range = format!("[{least}, {most}]");
             Err(Refusal::failed(format!("Speed {speed_mps} m/s is outside {range}")))
         }
     }
@@ -208,23 +243,29 @@ impl Vehicle {
     /// z: m, above what the frame says. Param 3: rate in m/s, 0 for as fast as it flies.
     fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: MavFrame) -> Result<(), Refusal> {
         self.check_guided_command("Altitude")?;
-        check_finite("Altitude", &[rate_mps, z])?;
+        check_finite("Altitude", &[rate_mps])?;
+        let altitude_m = self.altitude_above_home("Altitude", z, frame)?;
+        self.flight.set_altitude(altitude_m, limit_or_none(rate_mps));
+        self.restart_setpoint_timeout();
+        Ok(())
+    }
+
+    /// An altitude that a command gives, in m above home: terrain is as high as home.
+    pub(crate) fn altitude_above_home(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+        check_finite(name, &[z])?;
         if z == 0.0 || z == -1.0 {
-            return Err(Refusal::denied(format!("Altitude: {z} m is not accepted")));
+            return Err(Refusal::denied(format!("{name}: {z} m is not accepted")));
         }
-        let altitude_m = match frame {
+        match frame {
             MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => {
-                f64::from(z) - self.settings.frame.origin().altitude_amsl_m
+                Ok(f64::from(z) - self.settings.frame.origin().altitude_amsl_m)
             }
             MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT
             | MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
             | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT
-            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => f64::from(z),
-            other => return Err(Refusal::denied(format!("Altitude: frame {} is not accepted", other as u32))),
-        };
-        self.flight.set_altitude(altitude_m, limit_or_none(rate_mps));
-        self.restart_setpoint_timeout();
-        Ok(())
+            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => Ok(f64::from(z)),
+            other => Err(Refusal::denied(format!("{name}: frame {} is not accepted", other as u32))),
+        }
     }
 
     /// Param 1: course over ground (0), heading (1), or neither any more (2). Param 2: degrees. Param 3: greatest lateral
@@ -277,6 +318,15 @@ impl Vehicle {
             }
         };
         self.links.set_interval(link, stream, interval, self.time);
+        Ok(())
+    }
+
+    /// Commands of their own for one message each, older than REQUEST_MESSAGE. Param 1: 1 to be sent it.
+    fn answer_old_request(&mut self, p1: f32, stream: Stream, link: usize) -> Result<(), Refusal> {
+        if p1 != 1.0 {
+            return Err(Refusal::failed("Request: param 1 is not 1"));
+        }
+        self.send_stream(link, stream);
         Ok(())
     }
 

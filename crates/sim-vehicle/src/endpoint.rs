@@ -1,12 +1,14 @@
 //! One port and the vehicles behind it.
 
 use crate::hosting::{Advance, Clock, HostError, Observer};
+use crate::parameters::file;
 use crate::services::target_system;
 use crate::{Vehicle, VehicleCounters};
 use flight_model::State;
 use mavlink_bridge::{Counters, LinkError, UdpLink, messages};
 use std::collections::HashMap;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::Instant;
@@ -16,7 +18,8 @@ pub(crate) struct Endpoint {
     vehicles: Vec<Vehicle>,
     /// Index of the first vehicle among all of the host's.
     first: usize,
-    by_system: HashMap<u8, usize>,
+    /// Where parameters that are set are kept.
+    pub parameters_folder: Option<PathBuf>,
     frames: Counters,
     track: Vec<State>,
 }
@@ -51,7 +54,7 @@ impl Endpoint {
                 return Err(HostError::DuplicateSystemId { first: first + other, second: first + index, system_id });
             }
         }
-        Ok(Self { link, vehicles, first, by_system, frames: Counters::default(), track: Vec::new() })
+        Ok(Self { link, vehicles, first, parameters_folder: None, frames: Counters::default(), track: Vec::new() })
     }
 
     pub async fn run(
@@ -103,22 +106,32 @@ impl Endpoint {
     fn receive(&mut self, shell: &Shell, datagram: &[u8], from: SocketAddr) {
         let mut counters = self.frames;
         for (frame, message) in messages(datagram, &mut counters) {
-            let recipients = match target_system(&frame, &message) {
-                None => 0..0,
-                // A lone vehicle counts what is not for it.
-                Some(target) if target != 0 && self.vehicles.len() > 1 => match self.by_system.get(&target) {
-                    Some(&index) => index..index + 1,
-                    None => 0..0,
-                },
-                Some(_) => 0..self.vehicles.len(),
-            };
-            for index in recipients {
+            let Some(target) = target_system(&frame, &message) else { continue };
+            for index in 0..self.vehicles.len() {
+                // A lone vehicle counts what is not for it. System ids may change in flight.
+                let ours = target == 0 || target == self.vehicles[index].settings().system_id;
+                if !ours && self.vehicles.len() > 1 {
+                    continue;
+                }
                 self.fly(index, shell);
                 self.vehicles[index].handle_frame(shell.started.elapsed(), &frame, &message, from);
                 self.fly(index, shell);
+                self.keep_parameters(index);
             }
         }
         self.frames = counters;
+    }
+
+    /// A vehicle flies on when its parameters cannot be kept, as an autopilot with a broken card does.
+    fn keep_parameters(&mut self, index: usize) {
+        let vehicle = &mut self.vehicles[index];
+        let Some(folder) = self.parameters_folder.as_ref().filter(|_| vehicle.take_parameters_changed()) else {
+            return;
+        };
+        let path = file::path(folder, self.first + index);
+        if let Err(error) = file::write(&path, vehicle.set_parameters()) {
+            tracing::warn!(path = %path.display(), %error, "cannot keep parameters");
+        }
     }
 
     /// Lets a vehicle fly as far as its clock has come.

@@ -10,7 +10,8 @@ pub(crate) struct Flight {
     dynamics: Dynamics,
     /// The three loops, with the lateral limit in force (a guided command may lower it).
     autopilot: Autopilot,
-    loiter_radius_m: f64,
+    lateral_limit_mps2: f64,
+    tuning: Tuning,
     start: State,
     state: State,
     previous_course_rad: f64,
@@ -23,11 +24,35 @@ pub(crate) struct Flight {
     direction: Direction,
 }
 
+/// What parameters change of the way it flies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tuning {
+    /// Radius of a circle, m; below zero it is flown anticlockwise.
+    pub loiter_radius_m: f64,
+    /// The same for the circle round home.
+    pub rtl_radius_m: f64,
+    /// Altitude of the way home, m above it; none: the present one.
+    pub rtl_altitude_m: Option<f64>,
+    /// Altitude to which TAKEOFF climbs, m above home.
+    pub takeoff_altitude_m: f64,
+    /// Speed of LOITER and RTL, m/s; none: the present one.
+    pub cruise_speed_mps: Option<f64>,
+    /// Greatest horizontal acceleration, as a multiple of gravity, beside the flight model's own.
+    pub lateral_overload_max: f64,
+}
+
+/// ArduPlane's default of TKOFF_ALT, m.
+pub(crate) const TAKEOFF_ALTITUDE_M: f64 = 50.0;
+/// A take-off is over when the vehicle is so near to its altitude, m.
+pub(crate) const TAKEOFF_TOLERANCE_M: f64 = 2.0;
+
 /// What sets the course.
 #[derive(Clone, Copy, Debug)]
 enum Direction {
     Course(f64),
     Circle(Circle),
+    /// To a place, (north, east) in m.
+    Place((f64, f64)),
 }
 
 /// A reference that moves to its target by at most so much a step.
@@ -57,7 +82,15 @@ impl Flight {
         let mut flight = Self {
             dynamics: settings.dynamics,
             autopilot: Autopilot::new(&settings.dynamics, settings.step.as_secs_f64()),
-            loiter_radius_m: settings.loiter_radius_m,
+            tuning: Tuning {
+                loiter_radius_m: settings.loiter_radius_m,
+                rtl_radius_m: settings.loiter_radius_m,
+                rtl_altitude_m: None,
+                cruise_speed_mps: None,
+                takeoff_altitude_m: TAKEOFF_ALTITUDE_M,
+                lateral_overload_max: f64::INFINITY,
+            },
+            lateral_limit_mps2: f64::INFINITY,
             start,
             state: State { speed_mps: 0.0, climb_mps: 0.0, ..start },
             previous_course_rad: start.course_rad,
@@ -106,9 +139,13 @@ impl Flight {
         if !self.armed {
             return;
         }
+        if self.mode == Mode::Takeoff {
+            self.circle_when_up();
+        }
         let course_rad = match &self.direction {
             Direction::Course(course_rad) => *course_rad,
             Direction::Circle(circle) => circle.course_rad(&self.state),
+            Direction::Place(place) => self.course_to_rad(*place),
         };
         let setpoint = Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
         self.previous_course_rad = self.state.course_rad;
@@ -149,22 +186,117 @@ impl Flight {
         self.limit_lateral_acceleration(lateral_acceleration_mps2);
     }
 
-    /// Gives up the course setpoint and circles where GUIDED was entered.
-    pub fn release_course(&mut self) {
-        self.circle(self.guided_point);
+    /// In GUIDED, circles another place than where it was entered.
+    pub fn reposition(&mut self, place: (f64, f64), radius_m: f64) {
+        self.guided_point = place;
+        self.circle(place, radius_m);
     }
 
-    fn circle(&mut self, centre: (f64, f64)) {
+    fn circle_when_up(&mut self) {
+        let is_up = (self.state.altitude_m - self.altitude.target).abs() <= TAKEOFF_TOLERANCE_M;
+        if is_up && matches!(self.direction, Direction::Course(_)) {
+            self.circle((self.state.x_m, self.state.y_m), self.tuning.loiter_radius_m);
+        }
+    }
+
+    /// Gives up the course setpoint and circles where GUIDED was entered.
+    pub fn release_course(&mut self) {
+        self.circle(self.guided_point, self.tuning.loiter_radius_m);
+    }
+
+    /// Flies by other parameters from now on: a circle whose radius has changed is flown with the new one where it is. In
+    /// AUTO the mission says how wide.
+    pub fn retune(&mut self, tuning: Tuning) {
+        let old_radius_m = self.radius_m();
+        self.tuning = tuning;
+        match self.direction {
+            Direction::Circle(circle) if self.mode != Mode::Auto && self.radius_m() != old_radius_m => {
+                self.circle(circle.centre(), self.radius_m());
+            }
+            _ => self.limit_lateral_acceleration(self.lateral_limit_mps2),
+        }
+        match self.mode {
+            Mode::Loiter | Mode::Rtl => self.fly_by_itself(),
+            Mode::Auto | Mode::Cruise | Mode::Guided | Mode::Takeoff => {}
+        }
+    }
+
+    pub fn tuning(&self) -> &Tuning {
+        &self.tuning
+    }
+
+    /// Flies to a place, (north, east) in m, and over it.
+    pub fn fly_to(&mut self, place: (f64, f64)) {
         self.limit_lateral_acceleration(f64::INFINITY);
-        self.direction =
-            Direction::Circle(Circle::new(centre, self.loiter_radius_m, &self.dynamics, self.autopilot.step_s()));
+        self.direction = Direction::Place(place);
+    }
+
+    /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.
+    pub fn circle_at(&mut self, centre: (f64, f64), radius_m: f64) -> f64 {
+        self.circle(centre, radius_m);
+        match self.direction {
+            Direction::Circle(circle) => circle.radius_m(),
+            _ => radius_m,
+        }
+    }
+
+    /// Straight on.
+    pub fn hold_course(&mut self) {
+        self.set_course(self.when_released().course_rad, f64::INFINITY);
+    }
+
+    /// The course to a place. The course loop lags by its time constant behind a bearing that turns, which is fed forward:
+    /// so the vehicle flies over the place and not past it. One that is too near to turn to would be circled for ever:
+    /// the vehicle first flies away.
+    fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
+        const AHEAD_RAD: f64 = 1.0;
+        let (north, east) = (x_m - self.state.x_m, y_m - self.state.y_m);
+        let distance_m = (north * north + east * east).sqrt();
+        if distance_m < 1e-6 {
+            return self.state.course_rad;
+        }
+        let speed_mps = self.state.speed_mps;
+        let lag_m = speed_mps * self.dynamics.time_constants.course_s;
+        let tightest_m = speed_mps * speed_mps / self.limited_dynamics().limits.lateral_acceleration_max_mps2();
+        let bearing_rad = libm::atan2(east, north);
+        let off_rad = wrap_pi(bearing_rad - self.state.course_rad);
+        if off_rad.abs() > AHEAD_RAD && distance_m < 4.0 * lag_m.max(tightest_m) {
+            return self.state.course_rad;
+        }
+        bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)
+    }
+
+    fn radius_m(&self) -> f64 {
+        if self.mode == Mode::Rtl { self.tuning.rtl_radius_m } else { self.tuning.loiter_radius_m }
+    }
+
+    /// Speed and altitude of the modes that need nobody.
+    fn fly_by_itself(&mut self) {
+        if let Some(speed_mps) = self.tuning.cruise_speed_mps {
+            self.set_speed(speed_mps, f64::INFINITY);
+        }
+        if let Some(altitude_m) = self.tuning.rtl_altitude_m.filter(|_| self.mode == Mode::Rtl) {
+            self.set_altitude(altitude_m, f64::INFINITY);
+        }
+    }
+
+    fn circle(&mut self, centre: (f64, f64), radius_m: f64) {
+        self.limit_lateral_acceleration(f64::INFINITY);
+        let dynamics = self.limited_dynamics();
+        self.direction = Direction::Circle(Circle::new(centre, radius_m, &dynamics, self.autopilot.step_s()));
     }
 
     fn limit_lateral_acceleration(&mut self, limit_mps2: f64) {
+        self.lateral_limit_mps2 = limit_mps2;
+        self.autopilot = Autopilot::new(&self.limited_dynamics(), self.autopilot.step_s());
+    }
+
+    /// The flight model with the least of the lateral limits.
+    fn limited_dynamics(&self) -> Dynamics {
         let mut dynamics = self.dynamics;
-        let overload = limit_mps2 / dynamics.limits.gravity_mps2;
+        let overload = (self.lateral_limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
         dynamics.limits.lateral_overload_max = overload.min(dynamics.limits.lateral_overload_max);
-        self.autopilot = Autopilot::new(&dynamics, self.autopilot.step_s());
+        dynamics
     }
 
     /// What it flies now, or on the rail will fly when it is released.
@@ -181,14 +313,26 @@ impl Flight {
         let here = (now.x_m, now.y_m);
         match mode {
             Mode::Cruise => {}
-            Mode::Rtl => self.circle((0.0, 0.0)),
-            Mode::Loiter => self.circle(here),
+            // Who is higher already stays there, as in ArduPlane.
+            Mode::Takeoff => {
+                self.set_altitude(self.tuning.takeoff_altitude_m.max(now.altitude_m), f64::INFINITY);
+            }
+            // The mission says where to; until then, as before.
+            Mode::Auto => self.fly_by_itself(),
+            Mode::Rtl => {
+                self.circle((0.0, 0.0), self.tuning.rtl_radius_m);
+                self.fly_by_itself();
+            }
+            Mode::Loiter => {
+                self.circle(here, self.tuning.loiter_radius_m);
+                self.fly_by_itself();
+            }
             Mode::Guided => {
                 self.guided_point = here;
                 // Entered in flight, ArduPlane circles until it is told where to go. A start on the rail or in the air
                 // goes straight on: the flock's start is already a course.
                 if self.armed {
-                    self.circle(here);
+                    self.circle(here, self.tuning.loiter_radius_m);
                 }
             }
         }

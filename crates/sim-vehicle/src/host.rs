@@ -2,10 +2,13 @@
 
 use crate::endpoint::{Endpoint, EndpointReport, stopped};
 use crate::hosting::{Clock, HostError, Observer};
+use crate::parameters::{Pace, file};
 use crate::{Vehicle, VehicleCounters, VehicleSettings};
 use mavlink_bridge::{Counters, LinkError, LinkSettings, UdpLink};
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
@@ -23,6 +26,8 @@ pub struct HostSettings {
     pub clock: Clock,
     /// Receive buffer and impairment of every port. Each port draws its own random numbers from the seed.
     pub link: LinkSettings,
+    /// Folder of the files in which parameters survive a restart, `vehicle-1.parm` and so on; none: they do not.
+    pub parameters_folder: Option<PathBuf>,
 }
 
 impl Default for HostSettings {
@@ -33,6 +38,7 @@ impl Default for HostSettings {
             vehicles_per_port: 1,
             clock: Clock::WALL,
             link: LinkSettings::default(),
+            parameters_folder: None,
         }
     }
 }
@@ -63,17 +69,23 @@ impl Host {
     /// Binds the ports of all vehicles, or none of them. Must be called within a Tokio runtime.
     pub fn bind(settings: &HostSettings, vehicles: Vec<VehicleSettings>) -> Result<Self, HostError> {
         settings.validate(vehicles.len())?;
+        let pace = Arc::new(Pace::default());
         let vehicles: Vec<Vehicle> = vehicles
             .into_iter()
             .enumerate()
-            .map(|(vehicle, own)| {
+            .map(|(vehicle, mut own)| {
+                if let Some(folder) = &settings.parameters_folder {
+                    own.parameters = file::read(&file::path(folder, vehicle))?;
+                }
                 let built = match settings.clock {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
                     Clock::RealTime { .. } => Vehicle::new(own),
                 };
-                built.map_err(|source| HostError::Vehicle { vehicle, source })
+                let mut built = built.map_err(|source| HostError::Vehicle { vehicle, source })?;
+                built.keep_pace(Arc::clone(&pace));
+                Ok(built)
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<_, HostError>>()?;
 
         let mut host = Self { endpoints: Vec::new(), addresses: Vec::new(), clock: settings.clock };
         let mut vehicles = vehicles.into_iter();
@@ -87,7 +99,9 @@ impl Host {
             let address = link.local_addr()?;
             let first = host.addresses.len();
             host.addresses.resize(first + group.len(), address);
-            host.endpoints.push(Endpoint::new(link, group, first)?);
+            let mut endpoint = Endpoint::new(link, group, first)?;
+            endpoint.parameters_folder.clone_from(&settings.parameters_folder);
+            host.endpoints.push(endpoint);
         }
         Ok(host)
     }

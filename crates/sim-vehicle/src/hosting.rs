@@ -1,6 +1,6 @@
 //! What a host and its ports have in common: the clock, who looks on, and what can go wrong.
 
-use crate::{LockstepSettings, SettingsError};
+use crate::{LockstepSettings, ParameterFileError, SettingsError};
 use flight_model::State;
 use mavlink_bridge::LinkError;
 use std::sync::Arc;
@@ -55,6 +55,9 @@ pub enum HostError {
         /// What is wrong.
         source: SettingsError,
     },
+    /// A vehicle's file of parameters cannot be read.
+    #[error(transparent)]
+    ParameterFile(#[from] ParameterFileError),
     /// The ports needed go beyond 65535.
     #[error("{count} ports from {base_port} up go beyond 65535")]
     TooManyPorts {

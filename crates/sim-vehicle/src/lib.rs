@@ -4,15 +4,20 @@
 //! gives datagrams and states; [`Host`] lends sockets and a clock to any number of them.
 
 mod commands;
+mod connection;
 mod counters;
 mod endpoint;
+mod failsafe;
 mod flight;
 mod host;
 mod hosting;
 mod links;
 mod lockstep;
 mod loiter;
+mod mission;
 mod mode;
+mod parameters;
+mod reposition;
 mod services;
 mod settings;
 mod telemetry;
@@ -22,5 +27,6 @@ pub use counters::VehicleCounters;
 pub use host::{Host, HostReport, HostSettings};
 pub use hosting::{Advance, Clock, HostError, Observer};
 pub use mode::{Mode, NoSuchMode};
+pub use parameters::file::ParameterFileError;
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
 pub use vehicle::{PeerId, SetpointRefused, Transmit, Vehicle};

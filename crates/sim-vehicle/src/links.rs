@@ -2,9 +2,9 @@
 //! has them for each of its ports.
 
 use crate::telemetry::{Instruments, Schedule, Stream};
-use crate::{PeerId, Transmit, VehicleSettings};
+use crate::{PeerId, TelemetryRates, Transmit, VehicleSettings};
 use mavlink_bridge::dialect::{MavResult, Message};
-use mavlink_bridge::{Encoder, Target};
+use mavlink_bridge::{Encoder, ItemKind, PlanItem, Target, Version};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -67,10 +67,63 @@ impl Links {
         self.next_due
     }
 
+    /// The version of MAVLink that a link's peer is answered in.
+    pub fn version(&self, index: usize) -> Version {
+        self.links[index].encoder.version
+    }
+
+    /// Sends an item of a mission.
+    pub fn send_plan_item(
+        &mut self,
+        index: usize,
+        seq: u16,
+        item: &PlanItem,
+        current: bool,
+        kind: ItemKind,
+        to: Target,
+    ) {
+        self.write(index, |encoder, frame| encoder.encode_plan_item(seq, item, current, kind, to, frame));
+    }
+
+    /// The peer of a link.
+    pub fn peer(&self, index: usize) -> PeerId {
+        self.links[index].peer
+    }
+
+    /// The link of a peer.
+    pub fn of_peer(&self, peer: PeerId) -> Option<usize> {
+        self.links.iter().position(|link| link.peer == peer)
+    }
+
+    /// From now on the vehicle is this system.
+    pub fn set_system_id(&mut self, system_id: u8) {
+        self.settings.system_id = system_id;
+        for link in &mut self.links {
+            link.encoder.system_id = system_id;
+        }
+    }
+
+    /// Changes the rates of some streams on all links, those to come among them.
+    pub fn set_default_rates(&mut self, rates: &TelemetryRates, streams: &[Stream], time: Duration) {
+        self.settings.rates = *rates;
+        for index in 0..self.links.len() {
+            for &stream in streams {
+                self.links[index].schedule.set_interval(stream, stream.default_interval(rates), time);
+            }
+        }
+        self.find_next_due();
+    }
+
     /// Notes that a peer has spoken at host time `now`. Gives its link, and whether it is a new one.
-    pub fn hear(&mut self, peer: PeerId, now: Duration, time: Duration) -> (usize, bool) {
-        if let Some(index) = self.links.iter().position(|link| link.peer == peer) {
-            self.links[index].heard = now;
+    ///
+    /// A peer that speaks MAVLink 1 is answered in it, until it says something in MAVLink 2.
+    pub fn hear(&mut self, peer: PeerId, version: Version, now: Duration, time: Duration) -> (usize, bool) {
+        if let Some(index) = self.of_peer(peer) {
+            let link = &mut self.links[index];
+            link.heard = now;
+            if version == Version::V2 {
+                link.encoder.version = version;
+            }
             return (index, false);
         }
         if self.links.len() >= LINKS_MAX {
@@ -79,7 +132,9 @@ impl Links {
                 self.links.remove(index);
             }
         }
-        (self.add(peer, false, now, time), true)
+        let index = self.add(peer, false, now, time);
+        self.links[index].encoder.version = version;
+        (index, true)
     }
 
     /// Forgets the peers that have been silent for too long.
@@ -234,8 +289,8 @@ mod tests {
     #[test]
     fn silent_peers_are_forgotten_and_the_ground_is_not() {
         let mut links = links();
-        assert_eq!(links.hear(peer(1), NOW, NOW), (1, true));
-        assert_eq!(links.hear(peer(1), Duration::from_secs(20), NOW), (1, false));
+        assert_eq!(links.hear(peer(1), Version::V2, NOW, NOW), (1, true));
+        assert_eq!(links.hear(peer(1), Version::V2, Duration::from_secs(20), NOW), (1, false));
         links.drop_silent(Duration::from_secs(49));
         assert_eq!(links.len(), 2);
         links.drop_silent(Duration::from_secs(50));
@@ -246,17 +301,17 @@ mod tests {
     fn a_crowd_displaces_the_most_silent() {
         let mut links = links();
         for port in 1..=100u16 {
-            links.hear(peer(port), Duration::from_millis(u64::from(port)), NOW);
+            links.hear(peer(port), Version::V2, Duration::from_millis(u64::from(port)), NOW);
         }
         assert_eq!(links.len(), LINKS_MAX);
         assert_eq!(links.links[0].peer, peer(14550));
-        assert_eq!(links.hear(peer(100), NOW, NOW), (LINKS_MAX - 1, false));
+        assert_eq!(links.hear(peer(100), Version::V2, NOW, NOW), (LINKS_MAX - 1, false));
     }
 
     #[test]
     fn frames_are_packed_and_each_link_counts_its_own() {
         let mut links = links();
-        links.hear(peer(1), NOW, NOW);
+        links.hear(peer(1), Version::V2, NOW, NOW);
         for _ in 0..100 {
             links.send_all(&ground_heartbeat());
         }

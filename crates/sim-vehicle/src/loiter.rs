@@ -3,7 +3,7 @@
 use flight_model::{Dynamics, State};
 use std::f64::consts::FRAC_PI_2;
 
-/// A circle to fly, clockwise seen from above (as ArduPlane's default).
+/// A circle to fly, clockwise seen from above (as ArduPlane's default) or the other way round.
 ///
 /// Outside and inside the circle the field points back to it: the wanted course is the tangent turned by
 /// atan(rate * (distance - radius) / V), so that close by the distance settles with one rate whatever the speed and the
@@ -14,12 +14,14 @@ use std::f64::consts::FRAC_PI_2;
 pub(crate) struct Circle {
     centre: (f64, f64),
     radius_m: f64,
+    /// 1 clockwise, -1 anticlockwise.
+    turn: f64,
     course_time_constant_s: f64,
     course_lag_s: f64,
 }
 
 impl Circle {
-    /// The circle of `radius_m` round (north, east), widened if the vehicle could not turn so tightly at its top speed.
+    /// The circle of `radius_m` round (north, east), anticlockwise if that is below zero, widened if the vehicle could not turn so tightly at its top speed.
     /// The course setpoint will be asked for every `step_s` seconds.
     pub fn new(centre: (f64, f64), radius_m: f64, dynamics: &Dynamics, step_s: f64) -> Self {
         let limits = dynamics.limits;
@@ -27,10 +29,21 @@ impl Circle {
         let tightest_m = limits.speed_max_mps * limits.speed_max_mps / limits.lateral_acceleration_max_mps2();
         Self {
             centre,
-            radius_m: radius_m.max(1.25 * tightest_m),
+            radius_m: radius_m.abs().max(1.25 * tightest_m),
+            turn: if radius_m < 0.0 { -1.0 } else { 1.0 },
             course_time_constant_s: tau_s,
             course_lag_s: step_s / (1.0 - libm::exp(-step_s / tau_s)),
         }
+    }
+
+    /// Its radius, m.
+    pub fn radius_m(&self) -> f64 {
+        self.radius_m
+    }
+
+    /// Its centre, (north, east) in m.
+    pub fn centre(&self) -> (f64, f64) {
+        self.centre
     }
 
     /// The course setpoint at a state, rad (any turn).
@@ -42,7 +55,7 @@ impl Circle {
         let rate = 0.25 / self.course_time_constant_s;
         let turn_in = libm::atan(rate * (distance_m - self.radius_m) / state.speed_mps.max(0.1));
         let bearing_rate = state.speed_mps * libm::sin(state.course_rad - outward_rad) / distance_m.max(self.radius_m);
-        outward_rad + FRAC_PI_2 + turn_in + self.course_lag_s * bearing_rate
+        outward_rad + self.turn * FRAC_PI_2 + self.turn * turn_in + self.course_lag_s * bearing_rate
     }
 }
 
@@ -72,15 +85,15 @@ mod tests {
         #[test]
         fn converges_from_anywhere_and_stays(
             x in -300.0..300.0f64, y in -300.0..300.0f64, course in -3.1..3.1f64,
-            speed in 5.0..15.0f64, radius in 20.0..100.0f64,
+            speed in 5.0..15.0f64, radius in 20.0..100.0f64, turn in prop::sample::select(vec![-1.0, 1.0]),
         ) {
-            let circle = Circle::new((0.0, 0.0), radius, &Dynamics::default(), 0.01);
+            let circle = Circle::new((0.0, 0.0), turn * radius, &Dynamics::default(), 0.01);
             let start = State { x_m: x, y_m: y, course_rad: course, speed_mps: speed, altitude_m: 50.0, climb_mps: 0.0 };
             let track = fly(&circle, start, 150);
             for state in &track[12_000..] {
                 prop_assert!((distance(state) - radius).abs() < 0.05, "{}", distance(state));
                 // Clockwise: north turns to east.
-                prop_assert!(state.x_m * libm::sin(state.course_rad) - state.y_m * libm::cos(state.course_rad) > 0.0);
+                prop_assert!(turn * (state.x_m * libm::sin(state.course_rad) - state.y_m * libm::cos(state.course_rad)) > 0.0);
             }
         }
     }

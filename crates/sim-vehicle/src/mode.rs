@@ -12,6 +12,10 @@ pub enum Mode {
     Rtl,
     /// Circles where it was entered, at the altitude and speed of that moment.
     Loiter,
+    /// Flies the mission.
+    Auto,
+    /// Climbs straight on to TKOFF_ALT and circles there.
+    Takeoff,
     /// Follows setpoints and the guided commands.
     Guided,
 }
@@ -51,15 +55,17 @@ impl Mode {
     pub fn number(self) -> u32 {
         match self {
             Mode::Cruise => 7,
+            Mode::Auto => 10,
             Mode::Rtl => 11,
             Mode::Loiter => 12,
+            Mode::Takeoff => 13,
             Mode::Guided => 15,
         }
     }
 
     /// The mode of an ArduPlane number, or why there is none.
     pub fn from_number(number: u32) -> Result<Self, NoSuchMode> {
-        [Mode::Cruise, Mode::Rtl, Mode::Loiter, Mode::Guided]
+        [Mode::Cruise, Mode::Auto, Mode::Rtl, Mode::Loiter, Mode::Takeoff, Mode::Guided]
             .into_iter()
             .find(|mode| mode.number() == number)
             .ok_or(NoSuchMode(number))
@@ -69,8 +75,10 @@ impl Mode {
     pub fn name(self) -> &'static str {
         match self {
             Mode::Cruise => "CRUISE",
+            Mode::Auto => "AUTO",
             Mode::Rtl => "RTL",
             Mode::Loiter => "LOITER",
+            Mode::Takeoff => "TAKEOFF",
             Mode::Guided => "GUIDED",
         }
     }
@@ -102,7 +110,9 @@ mod tests {
 
     #[test]
     fn numbers_are_arduplanes() {
-        for (number, name) in [(7, "CRUISE"), (11, "RTL"), (12, "LOITER"), (15, "GUIDED")] {
+        for (number, name) in
+            [(7, "CRUISE"), (10, "AUTO"), (11, "RTL"), (12, "LOITER"), (13, "TAKEOFF"), (15, "GUIDED")]
+        {
             let mode = Mode::from_number(number).unwrap();
             assert_eq!((mode.number(), mode.name()), (number, name));
             assert_eq!(ARDUPLANE_MODES[number as usize], name);
@@ -111,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_refusal_names_the_mode() {
-        assert_eq!(Mode::from_number(10).unwrap_err().to_string(), "Mode AUTO is not simulated");
+        assert_eq!(Mode::from_number(17).unwrap_err().to_string(), "Mode QSTABILIZE is not simulated");
         assert_eq!(Mode::from_number(u32::MAX).unwrap_err().to_string(), "No such mode 4294967295");
         assert_eq!(Mode::from_number(9).unwrap_err().to_string(), "No such mode 9");
     }

@@ -9,14 +9,21 @@ use mavlink_bridge::dialect::{
     DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
 };
-use mavlink_bridge::{Frame, FrameError, Target, raw_command, setpoint_from_local_ned};
+use mavlink_bridge::{
+    Frame, FrameError, Target, parameter_request, plan_message, raw_command, setpoint_from_local_ned,
+};
 use std::time::Duration;
 
 /// The system that a frame is for, 0 for all; none if the frame tells nothing to anyone.
 pub(crate) fn target_system(frame: &Frame<'_>, message: &Result<Message, FrameError>) -> Option<u8> {
     match message {
         Ok(message) => Some(message.target_system_id().unwrap_or(0)),
-        Err(_) => raw_command(frame).map(|command| command.target_system),
+        Err(_) => {
+            let command = raw_command(frame).map(|command| command.target_system);
+            let parameter = || parameter_request(frame).map(|(target, _)| target.system_id);
+            let plan = || plan_message(frame).map(|(target, ..)| target.system_id);
+            command.or_else(parameter).or_else(plan)
+        }
     }
 }
 
@@ -24,14 +31,25 @@ impl Vehicle {
     /// Does what a message asks that came over a link and is for this vehicle.
     pub(crate) fn serve(&mut self, link: usize, frame: &Frame<'_>, message: &Result<Message, FrameError>) {
         let sender = Target { system_id: frame.header.system_id, component_id: frame.header.component_id };
+        if let Some((_, request)) = parameter_request(frame) {
+            self.serve_parameter(link, sender, &request);
+            return;
+        }
+        if let Some((_, mission_type, message)) = plan_message(frame) {
+            self.serve_plan(link, sender, mission_type, message);
+            return;
+        }
         match message {
+            Ok(Message::HEARTBEAT(_)) => self.hear_heartbeat(sender.system_id),
             Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
             Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
             Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
             Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
             Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
             Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
-            // Parameters, missions and the fence are to be answered from here.
+            Ok(Message::REQUEST_DATA_STREAM(data)) => self.set_data_stream(link, data),
+            Ok(Message::FILE_TRANSFER_PROTOCOL(data)) => self.refuse_file_transfer(link, sender, data),
+            Ok(Message::LOG_REQUEST_LIST(_)) => self.answer_log_request(link),
             Ok(_) => {}
             Err(_) => {
                 if let Some(raw) = raw_command(frame) {

@@ -34,6 +34,8 @@ pub struct VehicleSettings {
     pub clock_epoch_us: u64,
     /// Where telemetry goes unasked.
     pub ground: Option<SocketAddr>,
+    /// Parameters that were set before, by name, in order.
+    pub parameters: Vec<(String, f32)>,
 }
 
 /// Telemetry rates, Hz; 0 is off.
@@ -82,6 +84,12 @@ pub enum SettingsError {
     /// The start state has a component that is not a finite number.
     #[error("the start state is not finite")]
     StartNotFinite,
+    /// A parameter that the vehicle does not have.
+    #[error("no parameter {0}")]
+    NoSuchParameter(String),
+    /// A parameter with a value that it refuses; the message says which and why.
+    #[error("{0}")]
+    Parameter(String),
     /// The control period is not a positive whole number of milliseconds and of integration steps.
     #[error("control period {period:?} is not a whole number of milliseconds and of integration steps ({step:?})")]
     Period {
@@ -111,6 +119,7 @@ impl Default for VehicleSettings {
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+            parameters: Vec::new(),
         }
     }
 }
@@ -168,7 +177,7 @@ impl VehicleSettings {
         within("start.speed_mps", self.start.speed_mps, limits.speed_min_mps, limits.speed_max_mps)?;
         within("start.climb_mps", self.start.climb_mps, limits.climb_min_mps, limits.climb_max_mps)?;
         let rates = self.rates;
-        let fastest_hz = RATE_PER_STEP_MAX / step_s;
+        let fastest_hz = self.fastest_hz();
         for (name, rate_hz) in [
             ("heartbeat_hz", rates.heartbeat_hz),
             ("sys_status_hz", rates.sys_status_hz),
@@ -181,6 +190,13 @@ impl VehicleSettings {
             within(name, rate_hz, 0.0, fastest_hz)?;
         }
         Ok(())
+    }
+}
+
+impl VehicleSettings {
+    /// The greatest rate of a message, Hz.
+    pub(crate) fn fastest_hz(&self) -> f64 {
+        RATE_PER_STEP_MAX / self.step.as_secs_f64()
     }
 }
 

@@ -1,11 +1,13 @@
 //! What the vehicle says of itself, and how often.
 
 use crate::flight::Flight;
+use crate::mission::{Mission, Progress};
 use crate::{Mode, TelemetryRates};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    HOME_POSITION_DATA, MavAutopilot, MavModeFlag, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType,
-    Message, SYS_STATUS_DATA,
+    BATTERY_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavBatteryFault, MavModeFlag,
+    MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
+    SYS_STATUS_DATA,
 };
 use mavlink_bridge::{local_position_ned, telemetry};
 use std::time::Duration;
@@ -19,13 +21,19 @@ pub(crate) enum Stream {
     Attitude,
     GlobalPositionInt,
     VfrHud,
+    GpsRawInt,
+    MissionCurrent,
     GpsGlobalOrigin,
     HomePosition,
+    BatteryStatus,
+    ExtendedSysState,
+    AutopilotVersion,
+    ProtocolVersion,
     LocalPositionNed,
 }
 
 impl Stream {
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 15;
     pub const ALL: [Stream; Self::COUNT] = [
         Stream::Heartbeat,
         Stream::SysStatus,
@@ -33,8 +41,14 @@ impl Stream {
         Stream::Attitude,
         Stream::GlobalPositionInt,
         Stream::VfrHud,
+        Stream::GpsRawInt,
+        Stream::MissionCurrent,
         Stream::GpsGlobalOrigin,
         Stream::HomePosition,
+        Stream::BatteryStatus,
+        Stream::ExtendedSysState,
+        Stream::AutopilotVersion,
+        Stream::ProtocolVersion,
         Stream::LocalPositionNed,
     ];
 
@@ -44,12 +58,18 @@ impl Stream {
             Stream::Heartbeat => 0,
             Stream::SysStatus => 1,
             Stream::SystemTime => 2,
+            Stream::GpsRawInt => 24,
             Stream::Attitude => 30,
             Stream::LocalPositionNed => 32,
             Stream::GlobalPositionInt => 33,
+            Stream::MissionCurrent => 42,
             Stream::GpsGlobalOrigin => 49,
             Stream::VfrHud => 74,
+            Stream::BatteryStatus => 147,
+            Stream::AutopilotVersion => 148,
             Stream::HomePosition => 242,
+            Stream::ExtendedSysState => 245,
+            Stream::ProtocolVersion => 300,
         }
     }
 
@@ -60,14 +80,40 @@ impl Stream {
     fn default_rate_hz(self, rates: &TelemetryRates) -> f64 {
         match self {
             Stream::Heartbeat => rates.heartbeat_hz,
-            Stream::SysStatus => rates.sys_status_hz,
+            // One group, as in ArduPlane.
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => rates.sys_status_hz,
             Stream::SystemTime => rates.system_time_hz,
             Stream::Attitude => rates.attitude_hz,
             Stream::GlobalPositionInt => rates.global_position_int_hz,
             Stream::VfrHud => rates.vfr_hud_hz,
             Stream::LocalPositionNed => rates.local_position_ned_hz,
-            Stream::GpsGlobalOrigin | Stream::HomePosition => 0.0,
+            Stream::GpsGlobalOrigin
+            | Stream::HomePosition
+            | Stream::BatteryStatus
+            | Stream::ExtendedSysState
+            | Stream::AutopilotVersion
+            | Stream::ProtocolVersion => 0.0,
         }
+    }
+
+    /// Changes the rate at which this stream comes by default.
+    pub fn set_default_rate(self, rates: &mut TelemetryRates, rate_hz: f64) {
+        let rate = match self {
+            Stream::Heartbeat => &mut rates.heartbeat_hz,
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => &mut rates.sys_status_hz,
+            Stream::SystemTime => &mut rates.system_time_hz,
+            Stream::Attitude => &mut rates.attitude_hz,
+            Stream::GlobalPositionInt => &mut rates.global_position_int_hz,
+            Stream::VfrHud => &mut rates.vfr_hud_hz,
+            Stream::LocalPositionNed => &mut rates.local_position_ned_hz,
+            Stream::GpsGlobalOrigin
+            | Stream::HomePosition
+            | Stream::BatteryStatus
+            | Stream::ExtendedSysState
+            | Stream::AutopilotVersion
+            | Stream::ProtocolVersion => return,
+        };
+        *rate = rate_hz;
     }
 
     /// The time between two messages by default; none if the stream is off.
@@ -137,7 +183,10 @@ fn next_multiple(interval: Option<Duration>, time: Duration) -> Duration {
 /// Everything that the messages are made of, at one moment.
 pub(crate) struct Instruments<'a> {
     pub time: Duration,
+    pub system_id: u8,
     pub flight: &'a Flight,
+    pub mission: &'a Mission,
+    pub progress: &'a Progress,
     pub frame: &'a LocalFrame,
     pub failsafe: bool,
     pub clock_epoch_us: u64,
@@ -173,6 +222,14 @@ impl Instruments<'_> {
                 let throttle_percent = (100.0 * state.speed_mps / self.flight.limits().speed_max_mps).round() as u16;
                 telemetry::vfr_hud(state, origin.altitude_amsl_m + state.altitude_m, throttle_percent)
             }
+            Stream::GpsRawInt => telemetry::gps_raw_int(time, state, self.frame),
+            Stream::MissionCurrent => self.mission_current(),
+            Stream::BatteryStatus => unknown_battery(),
+            Stream::ExtendedSysState => telemetry::extended_sys_state(self.flight.is_armed()),
+            Stream::AutopilotVersion => {
+                telemetry::autopilot_version(ARDUPLANE_VERSION, capabilities(), u64::from(self.system_id))
+            }
+            Stream::ProtocolVersion => telemetry::protocol_version(),
             Stream::GpsGlobalOrigin => telemetry::gps_global_origin(time, &origin),
             Stream::HomePosition => Message::HOME_POSITION(HOME_POSITION_DATA {
                 latitude: (origin.latitude_deg * 1e7).round() as i32,
@@ -183,6 +240,27 @@ impl Instruments<'_> {
                 ..HOME_POSITION_DATA::DEFAULT
             }),
         }
+    }
+
+    fn mission_current(&self) -> Message {
+        let is_flown = self.flight.mode() == Mode::Auto;
+        let mission_state = if !self.mission.is_flyable() {
+            MissionState::MISSION_STATE_NO_MISSION
+        } else if self.progress.is_complete {
+            MissionState::MISSION_STATE_COMPLETE
+        } else if is_flown {
+            MissionState::MISSION_STATE_ACTIVE
+        } else {
+            MissionState::MISSION_STATE_NOT_STARTED
+        };
+        Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
+            seq: self.progress.current,
+            // Home is not counted.
+            total: self.mission.len().saturating_sub(1),
+            mission_state,
+            mission_mode: if is_flown { 1 } else { 2 },
+            ..MISSION_CURRENT_DATA::DEFAULT
+        })
     }
 
     fn status(&self) -> MavState {
@@ -208,7 +286,8 @@ impl Instruments<'_> {
         Message::SYS_STATUS(SYS_STATUS_DATA {
             onboard_control_sensors_present: sensors,
             onboard_control_sensors_enabled: sensors,
-            onboard_control_sensors_health: sensors,
+            // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
+            onboard_control_sensors_health: sensors | MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE,
             // No battery is simulated: the values that mean "not known".
             voltage_battery: u16::MAX,
             current_battery: -1,
@@ -220,6 +299,36 @@ impl Instruments<'_> {
             ..SYS_STATUS_DATA::DEFAULT
         })
     }
+}
+
+/// The version whose names and answers the vehicle has.
+const ARDUPLANE_VERSION: [u8; 3] = [4, 7, 0];
+
+/// No more than there is: ground stations ask for what they are told of.
+#[allow(deprecated)] // older ones know only the first name of the parameters' encoding
+fn capabilities() -> MavProtocolCapability {
+    MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
+}
+
+/// No battery is simulated: the values that mean "not known".
+fn unknown_battery() -> Message {
+    Message::BATTERY_STATUS(BATTERY_STATUS_DATA {
+        current_consumed: -1,
+        energy_consumed: -1,
+        temperature: i16::MAX,
+        voltages: [u16::MAX; 10],
+        current_battery: -1,
+        battery_remaining: -1,
+        // The default of a bitmask is its first flag, not none.
+        fault_bitmask: MavBatteryFault::empty(),
+        ..BATTERY_STATUS_DATA::DEFAULT
+    })
 }
 
 /// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE.
@@ -276,8 +385,16 @@ mod tests {
     fn every_stream_makes_its_own_message() {
         let flight = Flight::new(&VehicleSettings::default());
         let frame = VehicleSettings::default().frame;
-        let instruments =
-            Instruments { time: Duration::ZERO, flight: &flight, frame: &frame, failsafe: false, clock_epoch_us: 7 };
+        let instruments = Instruments {
+            time: Duration::ZERO,
+            system_id: 1,
+            mission: &Mission::default(),
+            progress: &Progress::default(),
+            flight: &flight,
+            frame: &frame,
+            failsafe: false,
+            clock_epoch_us: 7,
+        };
         for stream in Stream::ALL {
             assert_eq!(instruments.message(stream).message_id(), stream.message_id());
             assert_eq!(Stream::from_message_id(stream.message_id()), Some(stream));
@@ -297,8 +414,16 @@ mod tests {
         flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
         (0..50).for_each(|_| flight.step());
         let frame = VehicleSettings::default().frame;
-        let instruments =
-            Instruments { time: Duration::ZERO, flight: &flight, frame: &frame, failsafe: false, clock_epoch_us: 0 };
+        let instruments = Instruments {
+            time: Duration::ZERO,
+            system_id: 1,
+            mission: &Mission::default(),
+            progress: &Progress::default(),
+            flight: &flight,
+            frame: &frame,
+            failsafe: false,
+            clock_epoch_us: 0,
+        };
         let Message::ATTITUDE(attitude) = instruments.message(Stream::Attitude) else { panic!() };
         assert!((attitude.roll - std::f32::consts::FRAC_PI_4).abs() < 1e-5);
         assert!((attitude.yawspeed - 1.0).abs() < 1e-5);

@@ -1,8 +1,11 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
+use crate::failsafe::Failsafes;
 use crate::flight::Flight;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
+use crate::mission::{Mission, Progress, Upload};
+use crate::parameters::{Listings, Pace, Parameter, Parameters};
 use crate::services::target_system;
 use crate::telemetry::{Instruments, Stream};
 use crate::{LockstepSettings, Mode, SettingsError, VehicleCounters, VehicleSettings};
@@ -10,6 +13,7 @@ use flight_model::{Setpoint, State};
 use mavlink_bridge::dialect::{MavSeverity, Message, STATUSTEXT_DATA};
 use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Who a datagram came from or goes to.
@@ -48,10 +52,15 @@ pub struct Vehicle {
     pub(crate) links: Links,
     pub(crate) time: Duration,
     pub(crate) lockstep: Option<Lockstep>,
-    host_now: Duration,
-    /// Vehicle time at which the lack of setpoints becomes a failsafe.
-    setpoints_until: Duration,
-    failsafe: bool,
+    pub(crate) host_now: Duration,
+    pub(crate) failsafes: Failsafes,
+    pub(crate) parameters: Parameters,
+    pub(crate) parameters_changed: bool,
+    pub(crate) listings: Listings,
+    pub(crate) pace: Arc<Pace>,
+    pub(crate) mission: Mission,
+    pub(crate) progress: Progress,
+    pub(crate) upload: Option<Upload>,
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     pub(crate) counters: VehicleCounters,
@@ -73,7 +82,7 @@ impl Vehicle {
     /// A vehicle whose time follows the host's.
     pub fn new(settings: VehicleSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
-        Ok(Self::start(settings, None))
+        Self::start(settings, None)
     }
 
     /// A vehicle whose time moves on by one control period for each setpoint that carries its stamp. It first says where
@@ -81,26 +90,42 @@ impl Vehicle {
     pub fn in_lockstep(settings: VehicleSettings, lockstep: LockstepSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         lockstep.validate(settings.step)?;
-        Ok(Self::start(settings, Some(Lockstep::new(lockstep))))
+        Self::start(settings, Some(Lockstep::new(lockstep)))
     }
 
-    fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Self {
+    fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
         let mut vehicle = Self {
             flight: Flight::new(&settings),
             links: Links::new(&settings),
             time: Duration::ZERO,
             lockstep,
             host_now: Duration::ZERO,
-            setpoints_until: Duration::MAX,
-            failsafe: false,
+            failsafes: Failsafes::new(),
+            parameters: Parameters::new(&settings),
+            parameters_changed: false,
+            listings: Listings::default(),
+            pace: Arc::default(),
+            mission: Mission::default(),
+            progress: Progress::default(),
+            upload: None,
             quiet_until: Duration::ZERO,
             counters: VehicleCounters::default(),
             wire: Counters::default(),
             settings,
         };
+        for (name, value) in std::mem::take(&mut vehicle.settings.parameters) {
+            let known = Parameter::from_name(&name).ok_or(SettingsError::NoSuchParameter(name))?;
+            vehicle.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
+        }
+        vehicle.parameters_changed = false;
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
-        vehicle
+        Ok(vehicle)
+    }
+
+    /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
+    pub(crate) fn keep_pace(&mut self, pace: Arc<Pace>) {
+        self.pace = pace;
     }
 
     /// Takes a datagram that came from a peer at host time `now`. What cannot be read is counted and has no effect.
@@ -130,7 +155,7 @@ impl Vehicle {
             self.counters.frames_for_others += 1;
             return;
         }
-        let (link, is_new) = self.links.hear(from, self.host_now, self.time);
+        let (link, is_new) = self.links.hear(from, frame.header.version, self.host_now, self.time);
         if is_new {
             self.announce(link);
         }
@@ -164,7 +189,8 @@ impl Vehicle {
         self.flight.step();
         self.time = tick_end;
         track.push(*self.flight.state());
-        self.check_failsafe();
+        self.check_failsafes();
+        self.follow_mission();
         self.with_instruments(Links::send_due_and_position);
         self.links.end_batch();
         if let Some(lockstep) = &mut self.lockstep {
@@ -180,16 +206,23 @@ impl Vehicle {
 
     /// The host time at which [`handle_timeout`](Self::handle_timeout) wants to be called, if any.
     pub fn poll_timeout(&self) -> Option<Duration> {
-        if self.links.is_empty() { None } else { self.lockstep.as_ref()?.resend_at() }
+        if self.links.is_empty() {
+            return None;
+        }
+        let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
+        [resend_at, self.listings.next_due(), self.upload_due()].into_iter().flatten().min()
     }
 
-    /// Tells the vehicle the host time: it forgets silent peers, and in lockstep asks again if it waits for too long.
+    /// Tells the vehicle the host time: it forgets silent peers, goes on with lists and uploads, and in lockstep asks
+    /// again if it waits for too long.
     pub fn handle_timeout(&mut self, now: Duration) {
         self.note_host_time(now);
         if self.lockstep.as_mut().is_some_and(|lockstep| lockstep.take_resend(now)) {
             self.links.resend_batch();
             self.counters.resends += 1;
         }
+        self.send_listings();
+        self.check_upload();
     }
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
@@ -217,9 +250,20 @@ impl Vehicle {
         self.flight.is_armed()
     }
 
-    /// Whether the lack of setpoints took it out of GUIDED and nobody has set a mode since.
+    /// Whether the lack of setpoints took it out of GUIDED and nobody has set a mode since, or its ground station is
+    /// missing.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafe
+        self.failsafes.setpoints_lost || self.failsafes.ground_lost
+    }
+
+    /// The parameters that have been set, by name; all others have their initial values.
+    pub fn set_parameters(&self) -> impl Iterator<Item = (&'static str, f32)> {
+        self.parameters.kept()
+    }
+
+    /// Whether a parameter has been set since this was last asked.
+    pub fn take_parameters_changed(&mut self) -> bool {
+        std::mem::take(&mut self.parameters_changed)
     }
 
     /// Its settings.
@@ -243,36 +287,20 @@ impl Vehicle {
             self.flight.step();
             self.time += step;
             track.push(*self.flight.state());
-            self.check_failsafe();
+            self.check_failsafes();
+            self.follow_mission();
             if self.time >= self.links.next_due() {
                 self.with_instruments(Links::send_due);
             }
         }
     }
 
-    fn check_failsafe(&mut self) {
-        if self.time < self.setpoints_until {
-            return;
-        }
-        self.setpoints_until = Duration::MAX;
-        self.flight.set_mode(Mode::Loiter);
-        self.failsafe = true;
-        self.counters.failsafes += 1;
-        let text = format!("Failsafe: no setpoint for {} s, LOITER", self.settings.setpoint_timeout_s);
-        self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &text);
-    }
-
-    /// The time-out runs while the vehicle flies in GUIDED.
-    pub(crate) fn restart_setpoint_timeout(&mut self) {
-        let timeout_s = self.settings.setpoint_timeout_s;
-        let runs = timeout_s > 0.0 && self.flight.is_armed() && self.flight.mode() == Mode::Guided;
-        let timeout = if runs { Duration::try_from_secs_f64(timeout_s).ok() } else { None };
-        self.setpoints_until = timeout.map_or(Duration::MAX, |timeout| self.time.saturating_add(timeout));
-    }
-
     pub(crate) fn set_mode(&mut self, mode: Mode) {
+        if mode == Mode::Auto && self.mode() != Mode::Auto {
+            self.begin_mission();
+        }
         self.flight.set_mode(mode);
-        self.failsafe = false;
+        self.failsafes.setpoints_lost = false;
         self.restart_setpoint_timeout();
     }
 
@@ -304,9 +332,12 @@ impl Vehicle {
     fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
         let instruments = Instruments {
             time: self.time,
+            system_id: self.settings.system_id,
             flight: &self.flight,
             frame: &self.settings.frame,
-            failsafe: self.failsafe,
+            mission: &self.mission,
+            progress: &self.progress,
+            failsafe: self.failsafes.setpoints_lost || self.failsafes.ground_lost,
             clock_epoch_us: self.settings.clock_epoch_us,
         };
         send(&mut self.links, &instruments);

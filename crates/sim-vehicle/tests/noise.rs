@@ -51,12 +51,13 @@ proptest! {
     /// Frames with the right checksum and random payloads, of every kind that the vehicle listens to.
     #[test]
     fn no_payload_makes_it_panic_or_leave_its_limits(
-        frames in prop::collection::vec((0..9usize, prop::collection::vec(any::<u8>(), 60)), 1..40),
+        frames in prop::collection::vec((0..20usize, prop::collection::vec(any::<u8>(), 60)), 1..40),
     ) {
         // Message id, length of the payload, CRC_EXTRA.
-        let kinds: [(u8, usize, u8); 9] = [
+        let kinds: [(u8, usize, u8); 20] = [
             (0, 9, 50), (4, 14, 237), (11, 6, 89), (75, 35, 158), (76, 33, 152), (77, 10, 143), (84, 53, 143),
-            (86, 53, 5), (111, 18, 34),
+            (86, 53, 5), (111, 18, 34), (20, 20, 214), (21, 2, 159), (23, 23, 168), (44, 5, 221), (73, 38, 38), (39, 38, 254), (51, 5, 196),
+            (38, 7, 9), (41, 4, 28), (45, 3, 232), (66, 6, 148),
         ];
         let mut client = Client::new(quiet());
         for (kind, mut payload) in frames {
@@ -66,7 +67,12 @@ proptest! {
             match id {
                 75 | 76 => payload[30] = 0,
                 84 | 86 => payload[50] = 0,
-                11 => payload[4] = 0,
+                11 | 23 => payload[4] = 0,
+                20 => payload[2] = 0,
+                21 | 45 => payload[0] = 0,
+                44 | 51 | 41 | 66 => payload[2] = 0,
+                38 => payload[4] = 0,
+                73 | 39 => payload[32] = 0,
                 _ => {}
             }
             let mut frame = vec![0xFD, length as u8, 0, 0, 0, 255, 190, id, 0, 0];

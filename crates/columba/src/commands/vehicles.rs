@@ -6,7 +6,7 @@ use crate::config::{self, GROUND_PORT, Overrides, VEHICLE_PORT};
 use crate::flying;
 use anyhow::Context;
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Host, VehicleSettings};
+use sim_vehicle::{Host, HostSettings, VehicleSettings};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -30,7 +30,13 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     let link =
         LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
     let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
-    let settings = flying::host_settings(&scenario, clock, base_port, link);
+    if let Some(folder) = &args.params_folder {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
+    let settings = HostSettings {
+        parameters_folder: args.params_folder.clone(),
+        ..flying::host_settings(&scenario, clock, base_port, link)
+    };
     let vehicles = flying::vehicle_settings(&scenario, ground, epoch_us);
     let report = block_on(async {
         let host = Host::bind(&settings, vehicles.clone()).map_err(|error| vehicle_port_refused(&scenario, error))?;

@@ -65,5 +65,5 @@ pub fn unix_us() -> u64 {
 
 /// The host of a scenario's vehicles.
 pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: LinkSettings) -> HostSettings {
-    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port: 1, clock, link }
+    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port: 1, clock, link, parameters_folder: None }
 }

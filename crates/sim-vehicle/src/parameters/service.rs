@@ -1,0 +1,184 @@
+//! The parameter protocol: what is asked, and how it is answered.
+
+use super::pace::PARAMETERS_AT_ONCE;
+use super::{Parameter, ParameterRefused};
+use crate::telemetry::Stream;
+use crate::{PeerId, Vehicle};
+use mavlink_bridge::dialect::{MavParamError, MavSeverity, Message};
+use mavlink_bridge::{ParameterRequest, Target, parameter_error, parameter_value};
+use std::time::Duration;
+
+/// The lists that are under way, one for each peer that has asked.
+#[derive(Debug, Default)]
+pub(crate) struct Listings(Vec<Listing>);
+
+#[derive(Debug)]
+struct Listing {
+    peer: PeerId,
+    next: usize,
+    /// Host time.
+    due: Duration,
+}
+
+impl Listings {
+    /// The earliest host time at which more of a list is to be sent.
+    pub fn next_due(&self) -> Option<Duration> {
+        self.0.iter().map(|listing| listing.due).min()
+    }
+}
+
+impl Vehicle {
+    pub(crate) fn serve_parameter(&mut self, link: usize, sender: Target, request: &ParameterRequest) {
+        match request {
+            ParameterRequest::List => {
+                let peer = self.links.peer(link);
+                let due = self.pace.reserve(peer, self.host_now);
+                // Asked again, it begins again.
+                self.listings.0.retain(|listing| listing.peer != peer);
+                self.listings.0.push(Listing { peer, next: 0, due });
+                self.send_listings();
+            }
+            ParameterRequest::ReadIndex(index) => {
+                match usize::try_from(*index).ok().and_then(|i| Parameter::ALL.get(i)) {
+                    Some(&parameter) => self.send_parameter(link, parameter, u16::try_from(*index).ok()),
+                    None => {
+                        let reason = format!("No parameter of index {index}");
+                        self.refuse_parameter(
+                            link,
+                            sender,
+                            "",
+                            *index,
+                            MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST,
+                            &reason,
+                        );
+                    }
+                }
+            }
+            ParameterRequest::ReadName(name) => match Parameter::from_name(name) {
+                Some(parameter) => self.send_parameter(link, parameter, None),
+                None => self.refuse_unknown(link, sender, name),
+            },
+            ParameterRequest::Set { name, value } => match Parameter::from_name(name) {
+                Some(parameter) => self.write_parameter(link, sender, parameter, *value),
+                None => self.refuse_unknown(link, sender, name),
+            },
+        }
+    }
+
+    /// Sends what is due of the lists.
+    pub(crate) fn send_listings(&mut self) {
+        let mut listings = std::mem::take(&mut self.listings);
+        listings.0.retain_mut(|listing| {
+            let Some(link) = self.links.of_peer(listing.peer) else { return false };
+            while listing.due <= self.host_now && listing.next < Parameter::COUNT {
+                for (index, parameter) in
+                    Parameter::ALL.into_iter().enumerate().skip(listing.next).take(PARAMETERS_AT_ONCE)
+                {
+                    self.send_parameter(link, parameter, u16::try_from(index).ok());
+                }
+                listing.next += PARAMETERS_AT_ONCE;
+                listing.due = self.pace.reserve(listing.peer, self.host_now);
+            }
+            listing.next < Parameter::COUNT
+        });
+        self.listings = listings;
+    }
+
+    /// Takes a value of a parameter, and does what it means.
+    pub(crate) fn set_parameter(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
+        self.parameters.set(parameter, value)?;
+        self.parameters_changed = true;
+        let value = self.parameters.get(parameter);
+        match parameter {
+            Parameter::SystemId => {
+                // In range, so it fits.
+                self.settings.system_id = value as u8;
+                self.links.set_system_id(self.settings.system_id);
+            }
+            Parameter::RateExtendedStatus => {
+                self.set_rates(&[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent], value)
+            }
+            Parameter::RatePosition => self.set_rates(&[Stream::LocalPositionNed, Stream::GlobalPositionInt], value),
+            Parameter::RateExtra1 => self.set_rates(&[Stream::Attitude], value),
+            Parameter::RateExtra2 => self.set_rates(&[Stream::VfrHud], value),
+            Parameter::RateExtra3 => self.set_rates(&[Stream::SystemTime], value),
+            Parameter::AirspeedCruise
+            | Parameter::TakeoffAltitude
+            | Parameter::RollLimit
+            | Parameter::LoiterRadius
+            | Parameter::RtlRadius
+            | Parameter::RtlAltitude => {
+                self.flight.retune(self.parameters.tuning(&self.settings));
+            }
+            // These are looked at where they count.
+            Parameter::GroundSystemId
+            | Parameter::AirspeedMin
+            | Parameter::WaypointRadius
+            | Parameter::AirspeedMax
+            | Parameter::GroundFailsafe
+            | Parameter::LongFailsafeAction
+            | Parameter::LongFailsafeTimeout
+            | Parameter::RunTime => {}
+        }
+        Ok(())
+    }
+
+    fn write_parameter(&mut self, link: usize, sender: Target, parameter: Parameter, value: f32) {
+        // Everybody hears of a change, from the system that they know.
+        let before = self.settings.system_id;
+        match self.set_parameter(parameter, value) {
+            Ok(()) => {
+                let after = self.settings.system_id;
+                self.links.set_system_id(before);
+                self.links.send_all(&self.parameter_message(parameter, None));
+                self.links.set_system_id(after);
+            }
+            Err(refused) => {
+                let error = match refused {
+                    ParameterRefused::ReadOnly(_) => MavParamError::MAV_PARAM_ERROR_READ_ONLY,
+                    _ => MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
+                };
+                self.refuse_parameter(link, sender, parameter.name(), -1, error, &refused.to_string());
+                self.send_parameter(link, parameter, None);
+            }
+        }
+    }
+
+    fn set_rates(&mut self, streams: &[Stream], rate_hz: f32) {
+        for &stream in streams {
+            stream.set_default_rate(&mut self.settings.rates, f64::from(rate_hz));
+        }
+        self.links.set_default_rates(&self.settings.rates, streams, self.time);
+    }
+
+    fn send_parameter(&mut self, link: usize, parameter: Parameter, index: Option<u16>) {
+        let message = self.parameter_message(parameter, index);
+        self.links.send(link, &message);
+    }
+
+    fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
+        let value = match parameter {
+            Parameter::RunTime => self.time.as_secs() as f32,
+            other => self.parameters.get(other),
+        };
+        parameter_value(parameter.name(), parameter.kind(), value, Parameter::COUNT as u16, index)
+    }
+
+    fn refuse_unknown(&mut self, link: usize, sender: Target, name: &str) {
+        let reason = ParameterRefused::Unknown(name.to_owned()).to_string();
+        self.refuse_parameter(link, sender, name, -1, MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST, &reason);
+    }
+
+    fn refuse_parameter(
+        &mut self,
+        link: usize,
+        sender: Target,
+        name: &str,
+        index: i16,
+        error: MavParamError,
+        reason: &str,
+    ) {
+        self.say(MavSeverity::MAV_SEVERITY_WARNING, reason);
+        self.links.send(link, &parameter_error(name, index, error, sender));
+    }
+}

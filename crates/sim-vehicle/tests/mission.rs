@@ -1,0 +1,309 @@
+//! Missions as a client meets them: uploaded, downloaded, refused, and flown.
+#![allow(clippy::panic, clippy::unwrap_used, deprecated)]
+
+mod common;
+
+use common::{Client, TARGET, peer, quiet, texts};
+use flight_model::State;
+use mavlink_bridge::dialect::MavCmd::*;
+use mavlink_bridge::dialect::MavMissionResult::*;
+use mavlink_bridge::dialect::*;
+use mavlink_bridge::{Encoder, ItemKind, PlanItem, Target, Version};
+use sim_vehicle::Mode;
+use std::time::Duration;
+
+const TO: Target = Target { system_id: TARGET, component_id: 1 };
+
+fn item(command: MavCmd, params: [f32; 4], north_m: f64, east_m: f64, z_m: f32) -> PlanItem {
+    let place = quiet().frame.to_geodetic(north_m, east_m, f64::from(z_m));
+    PlanItem {
+        params,
+        latitude_e7: (place.latitude_deg * 1e7).round() as i32,
+        longitude_e7: (place.longitude_deg * 1e7).round() as i32,
+        z_m,
+        command: command as u32 as u16,
+        frame: 3,
+        autocontinue: 1,
+    }
+}
+
+fn waypoint(north_m: f64, east_m: f64, z_m: f32) -> PlanItem {
+    item(MAV_CMD_NAV_WAYPOINT, [0.0; 4], north_m, east_m, z_m)
+}
+
+fn square() -> Vec<PlanItem> {
+    let corners = [(200.0, 0.0), (200.0, 200.0), (0.0, 200.0), (0.0, 0.0)];
+    std::iter::once(waypoint(0.0, 0.0, 0.0)).chain(corners.map(|(x, y)| waypoint(x, y, 60.0))).collect()
+}
+
+fn count(count: u16) -> Message {
+    Message::MISSION_COUNT(MISSION_COUNT_DATA { count, target_system: TARGET, ..MISSION_COUNT_DATA::DEFAULT })
+}
+
+fn send_item(client: &mut Client, seq: u16, item: &PlanItem) -> Vec<Message> {
+    let mut datagram = Vec::new();
+    client.encoder.encode_plan_item(seq, item, false, ItemKind::Int, TO, &mut datagram);
+    client.vehicle.handle(client.vehicle.time(), &datagram, client.address);
+    client.collect()
+}
+
+fn result(messages: &[Message]) -> Option<MavMissionResult> {
+    messages.iter().find_map(|message| match message {
+        Message::MISSION_ACK(ack) => Some(ack.mavtype),
+        _ => None,
+    })
+}
+
+fn wanted(messages: &[Message]) -> Option<u16> {
+    messages.iter().find_map(|message| match message {
+        Message::MISSION_REQUEST_INT(request) => Some(request.seq),
+        Message::MISSION_REQUEST(request) => Some(request.seq),
+        _ => None,
+    })
+}
+
+fn upload(client: &mut Client, items: &[PlanItem]) -> Option<MavMissionResult> {
+    let mut answer = client.ask(&count(items.len() as u16));
+    while let Some(seq) = wanted(&answer) {
+        answer = send_item(client, seq, &items[usize::from(seq)]);
+    }
+    result(&answer)
+}
+
+fn on_board(client: &mut Client) -> Vec<MISSION_ITEM_INT_DATA> {
+    let list = MISSION_REQUEST_LIST_DATA { target_system: TARGET, ..MISSION_REQUEST_LIST_DATA::DEFAULT };
+    let answer = client.ask(&Message::MISSION_REQUEST_LIST(list));
+    let Some(Message::MISSION_COUNT(count)) = answer.iter().find(|m| m.message_id() == 44) else { panic!() };
+    (0..count.count)
+        .map(|seq| {
+            let request = MISSION_REQUEST_INT_DATA { seq, target_system: TARGET, ..MISSION_REQUEST_INT_DATA::DEFAULT };
+            match client.ask(&Message::MISSION_REQUEST_INT(request)).pop() {
+                Some(Message::MISSION_ITEM_INT(item)) => item,
+                other => panic!("{other:?}"),
+            }
+        })
+        .collect()
+}
+
+fn reached(messages: &[Message]) -> Vec<u16> {
+    let seq = |message: &Message| match message {
+        Message::MISSION_ITEM_REACHED(reached) => Some(reached.seq),
+        _ => None,
+    };
+    messages.iter().filter_map(seq).collect()
+}
+
+fn nearest(track: &[State], north_m: f64, east_m: f64) -> f64 {
+    let distance = |s: &State| ((s.x_m - north_m) * (s.x_m - north_m) + (s.y_m - east_m) * (s.y_m - east_m)).sqrt();
+    track.iter().map(distance).fold(f64::INFINITY, f64::min)
+}
+
+fn fly_mission(items: &[PlanItem], seconds: f64) -> (Client, Vec<State>) {
+    let mut client = Client::new(quiet());
+    assert_eq!(upload(&mut client, items), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(client.command_long(MAV_CMD_MISSION_START, [0.0; 3]), Some(MavResult::MAV_RESULT_ACCEPTED));
+    let track = client.fly(seconds);
+    (client, track)
+}
+
+#[test]
+fn what_is_uploaded_is_downloaded_and_home_is_home() {
+    let mut client = Client::new(quiet());
+    assert_eq!(on_board(&mut client), []);
+    let items = square();
+    assert_eq!(upload(&mut client, &items), Some(MAV_MISSION_ACCEPTED));
+    let read = on_board(&mut client);
+    assert_eq!(read.len(), 5);
+    assert_eq!((read[0].x, read[0].y, read[0].z), (399_800_000, 1_163_400_000, 50.0));
+    for (read, item) in read.iter().zip(&items).skip(1) {
+        assert_eq!((read.x, read.y, read.z, read.autocontinue), (item.latitude_e7, item.longitude_e7, item.z_m, 1));
+    }
+    assert_eq!(read.iter().map(|item| item.current).collect::<Vec<_>>(), [0, 1, 0, 0, 0]);
+    // The old request is answered with the old item.
+    let request = MISSION_REQUEST_DATA { seq: 2, target_system: TARGET, ..MISSION_REQUEST_DATA::DEFAULT };
+    assert!(
+        matches!(client.ask(&Message::MISSION_REQUEST(request)).as_slice(), [Message::MISSION_ITEM(old)] if old.seq == 2)
+    );
+    let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
+    assert_eq!(result(&client.ask(&Message::MISSION_CLEAR_ALL(clear))), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(on_board(&mut client), []);
+}
+
+#[test]
+fn a_part_is_replaced_and_the_rest_stays() {
+    let mut client = Client::new(quiet());
+    upload(&mut client, &square());
+    let partial = |start_index, end_index| {
+        Message::MISSION_WRITE_PARTIAL_LIST(MISSION_WRITE_PARTIAL_LIST_DATA {
+            start_index,
+            end_index,
+            target_system: TARGET,
+            ..MISSION_WRITE_PARTIAL_LIST_DATA::DEFAULT
+        })
+    };
+    assert_eq!(wanted(&client.ask(&partial(2, 3))), Some(2));
+    assert_eq!(wanted(&send_item(&mut client, 2, &waypoint(1.0, 1.0, 70.0))), Some(3));
+    assert_eq!(result(&send_item(&mut client, 3, &waypoint(2.0, 2.0, 71.0))), Some(MAV_MISSION_ACCEPTED));
+    let altitudes: Vec<f32> = on_board(&mut client).iter().map(|item| item.z).collect();
+    assert_eq!(altitudes, [50.0, 60.0, 70.0, 71.0, 60.0]);
+    for (first, last) in [(-1, 2), (3, 2), (2, 5)] {
+        assert_eq!(result(&client.ask(&partial(first, last))), Some(MAV_MISSION_INVALID_SEQUENCE));
+    }
+}
+
+#[test]
+fn what_is_wrong_is_refused_by_its_code_and_nothing_is_half_applied() {
+    let mut client = Client::new(quiet());
+    upload(&mut client, &square());
+    let before = on_board(&mut client);
+    let good = waypoint(1.0, 1.0, 10.0);
+    for (bad, code) in [
+        (PlanItem { params: [f32::NAN; 4], ..good }, MAV_MISSION_INVALID_PARAM1),
+        (PlanItem { frame: 1, ..good }, MAV_MISSION_UNSUPPORTED_FRAME),
+        (PlanItem { frame: 200, ..good }, MAV_MISSION_UNSUPPORTED_FRAME),
+        (PlanItem { command: 60_000, ..good }, MAV_MISSION_UNSUPPORTED),
+        (PlanItem { z_m: f32::NAN, ..good }, MAV_MISSION_INVALID_PARAM7),
+        (PlanItem { latitude_e7: i32::MAX, ..good }, MAV_MISSION_INVALID_PARAM5_X),
+    ] {
+        client.ask(&count(3));
+        send_item(&mut client, 0, &good);
+        let answer = send_item(&mut client, 1, &bad);
+        assert_eq!(result(&answer), Some(code));
+        assert!(texts(&answer)[0].starts_with("Mission refused: "));
+        assert_eq!(result(&send_item(&mut client, 2, &good)), Some(MAV_MISSION_ERROR), "it is over");
+        assert_eq!(on_board(&mut client), before);
+    }
+    assert_eq!(result(&client.ask(&count(701))), Some(MAV_MISSION_NO_SPACE));
+    client.ask(&count(3));
+    assert_eq!(result(&send_item(&mut client, 2, &good)), Some(MAV_MISSION_INVALID_SEQUENCE));
+    assert_eq!(on_board(&mut client), before);
+}
+
+#[test]
+fn a_second_writer_is_denied() {
+    let mut client = Client::new(quiet());
+    client.ask(&count(2));
+    client.address = peer(50_000);
+    assert_eq!(result(&client.ask(&count(2))), Some(MAV_MISSION_DENIED));
+    assert_eq!(result(&send_item(&mut client, 0, &waypoint(0.0, 0.0, 9.0))), Some(MAV_MISSION_ERROR));
+    client.address = peer(40_000);
+    send_item(&mut client, 0, &waypoint(0.0, 0.0, 9.0));
+    assert_eq!(result(&send_item(&mut client, 1, &waypoint(0.0, 0.0, 9.0))), Some(MAV_MISSION_ACCEPTED));
+}
+
+#[test]
+fn what_is_lost_is_asked_for_again_and_in_the_end_given_up() {
+    let mut client = Client::new(quiet());
+    client.ask(&count(2));
+    let mut asked = 0;
+    let mut outcome = None;
+    while let Some(due) = client.vehicle.poll_timeout() {
+        client.vehicle.handle_timeout(due);
+        let answer = client.collect();
+        asked += usize::from(wanted(&answer) == Some(0));
+        outcome = outcome.or(result(&answer));
+    }
+    assert!(asked >= 15, "{asked}");
+    assert_eq!(outcome, Some(MAV_MISSION_OPERATION_CANCELLED));
+    // A repeat of an item changes nothing, and a lost acknowledgement is given again.
+    let items = square();
+    assert_eq!(upload(&mut client, &items), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(result(&send_item(&mut client, 4, &items[4])), Some(MAV_MISSION_ACCEPTED));
+    client.ask(&count(5));
+    send_item(&mut client, 0, &items[0]);
+    send_item(&mut client, 1, &items[1]);
+    assert_eq!(send_item(&mut client, 1, &items[1]), []);
+    assert_eq!(wanted(&send_item(&mut client, 2, &items[2])), Some(3));
+}
+
+#[test]
+fn a_client_of_the_first_version_uploads_too() {
+    let mut client = Client::new(quiet());
+    client.encoder = Encoder::new(255, 190).with_version(Version::V1);
+    let answer = client.ask(&count(1));
+    assert!(answer.iter().any(|message| matches!(message, Message::MISSION_REQUEST(request) if request.seq == 0)));
+    assert_eq!(result(&send_item(&mut client, 0, &waypoint(0.0, 0.0, 0.0))), Some(MAV_MISSION_ACCEPTED));
+}
+
+#[test]
+fn every_waypoint_is_reached_in_order_and_then_it_returns() {
+    let (mut client, track) = fly_mission(&square(), 140.0);
+    let received = client.collect();
+    assert_eq!(reached(&received), [1, 2, 3, 4]);
+    for (north_m, east_m) in [(200.0, 0.0), (200.0, 200.0), (0.0, 200.0), (0.0, 0.0)] {
+        assert!(nearest(&track, north_m, east_m) <= 15.0);
+    }
+    assert_eq!((client.vehicle.mode(), texts(&received)), (Mode::Rtl, vec!["Mission complete, RTL".to_owned()]));
+    assert!((track.last().unwrap().altitude_m - 60.0).abs() < 0.1);
+}
+
+#[test]
+fn a_waypoint_behind_or_beside_is_reached_within_a_small_radius() {
+    for (north_m, east_m) in [(-3.0, 0.0), (0.0, 4.0), (2.0, -6.0), (-8.0, 8.0), (-60.0, 1.0), (0.0, 0.0)] {
+        let near = item(MAV_CMD_NAV_WAYPOINT, [0.0, 1.0, 0.0, 0.0], north_m, east_m, 50.0);
+        let (mut client, track) = fly_mission(&[near, near], 60.0);
+        assert_eq!(reached(&client.collect()), [1], "{north_m}, {east_m}");
+        assert!(nearest(&track, north_m, east_m) <= 1.05);
+    }
+}
+
+#[test]
+fn every_command_is_flown() {
+    let items = [
+        waypoint(0.0, 0.0, 0.0),
+        item(MAV_CMD_NAV_TAKEOFF, [0.0; 4], 0.0, 0.0, 70.0),
+        item(MAV_CMD_DO_CHANGE_SPEED, [0.0, 12.0, -1.0, 0.0], 0.0, 0.0, 0.0),
+        waypoint(300.0, 0.0, 70.0),
+        item(MAV_CMD_DO_JUMP, [3.0, 2.0, 0.0, 0.0], 0.0, 0.0, 0.0),
+        item(MAV_CMD_NAV_LOITER_TURNS, [2.0, 0.0, 40.0, 0.0], 300.0, 100.0, 70.0),
+        item(MAV_CMD_NAV_LOITER_TIME, [20.0, 0.0, -30.0, 0.0], 300.0, 200.0, 70.0),
+        item(MAV_CMD_NAV_LOITER_UNLIM, [0.0; 4], 0.0, 0.0, 70.0),
+    ];
+    let (mut client, track) = fly_mission(&items, 300.0);
+    // The waypoint again and again, as it is where the vehicle is.
+    assert_eq!(reached(&client.collect()), [1, 3, 3, 3, 5, 6]);
+    let end = track.last().unwrap();
+    assert!((end.speed_mps - 12.0).abs() < 1e-6 && (end.altitude_m - 70.0).abs() < 1e-3);
+    assert!(((end.x_m * end.x_m + end.y_m * end.y_m).sqrt() - 60.0).abs() < 0.1);
+    assert_eq!(client.vehicle.mode(), Mode::Auto);
+    let current = client.ask(&common::long(TARGET, MAV_CMD_REQUEST_MESSAGE, [42.0, 0.0, 0.0]));
+    assert!(current.iter().any(|message| matches!(message, Message::MISSION_CURRENT(current)
+        if (current.seq, current.total) == (7, 7) && current.mission_state == MissionState::MISSION_STATE_ACTIVE)));
+}
+
+#[test]
+fn jumps_without_end_do_not_hang_it() {
+    let jump = item(MAV_CMD_DO_JUMP, [1.0, -1.0, 0.0, 0.0], 0.0, 0.0, 0.0);
+    let (client, track) = fly_mission(&[jump, jump], 5.0);
+    assert_eq!((client.vehicle.mode(), track.len()), (Mode::Auto, 500));
+}
+
+#[test]
+fn the_current_item_is_set_and_auto_goes_on_from_it() {
+    let mut client = Client::new(quiet());
+    assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]), Some(MavResult::MAV_RESULT_FAILED));
+    upload(&mut client, &square());
+    assert_eq!(
+        client.command_long(MAV_CMD_DO_SET_MISSION_CURRENT, [5.0, 0.0, 0.0]),
+        Some(MavResult::MAV_RESULT_FAILED)
+    );
+    for (seq, expected, words) in [(9, 1, vec!["Mission: no item 9"]), (3, 3, vec![])] {
+        let set = MISSION_SET_CURRENT_DATA { seq, target_system: TARGET, target_component: 1 };
+        let answer = client.ask(&Message::MISSION_SET_CURRENT(set));
+        assert!(matches!(answer.last(), Some(Message::MISSION_CURRENT(current)) if current.seq == expected));
+        assert_eq!(texts(&answer), words);
+    }
+    assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]), Some(MavResult::MAV_RESULT_ACCEPTED));
+    client.fly(5.0);
+    assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 15.0, 0.0]), Some(MavResult::MAV_RESULT_ACCEPTED));
+    client.fly(5.0);
+    assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]), Some(MavResult::MAV_RESULT_ACCEPTED));
+    client.fly(100.0);
+    assert_eq!(reached(&client.collect()), [3, 4]);
+    let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
+    client.command_long(MAV_CMD_MISSION_START, [0.0; 3]);
+    assert_eq!(client.vehicle.mode(), Mode::Auto);
+    client.ask(&Message::MISSION_CLEAR_ALL(clear));
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+    client.vehicle.handle_timeout(Duration::from_secs(1));
+}

@@ -1,0 +1,185 @@
+"""Missions: uploaded and downloaded as a stranger does it, over a bad link too, refused, and flown to every item."""
+
+import math
+import time
+
+import pytest
+from ground import ACCEPTED, FAILED, GUIDED, RTL
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+AUTO = 10
+WAYPOINT, TURNS, SPEED, JUMP, TAKEOFF = (
+    mavlink.MAV_CMD_NAV_WAYPOINT,
+    mavlink.MAV_CMD_NAV_LOITER_TURNS,
+    mavlink.MAV_CMD_DO_CHANGE_SPEED,
+    mavlink.MAV_CMD_DO_JUMP,
+    mavlink.MAV_CMD_NAV_TAKEOFF,
+)
+RELATIVE = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
+METRES_PER_DEGREE = 111_200
+RADIUS_M = 8
+
+
+def place(north_m, east_m, home=(39.98, 116.34)):
+    latitude = home[0] + north_m / METRES_PER_DEGREE
+    return round(latitude * 1e7), round((home[1] + east_m / METRES_PER_DEGREE / math.cos(math.radians(home[0]))) * 1e7)
+
+
+def item(command, north_m=0, east_m=0, altitude_m=60, p1=0, p2=0, p3=0, frame=RELATIVE):
+    return (frame, command, p1, p2, p3, *place(north_m, east_m), altitude_m)
+
+
+TEN = [
+    item(WAYPOINT),
+    item(TAKEOFF, altitude_m=60),
+    item(WAYPOINT, 150, 0, p2=RADIUS_M),
+    item(SPEED, p2=12),
+    item(WAYPOINT, 250, 120, 70, p2=RADIUS_M),
+    item(WAYPOINT, 150, 220, 70, p2=RADIUS_M),
+    item(TURNS, 0, 220, 70, p1=1, p3=40),
+    item(WAYPOINT, -100, 150, 55, p2=RADIUS_M),
+    item(WAYPOINT, -100, 0, 55, p2=RADIUS_M),
+    item(WAYPOINT, 0, -80, 60, p2=RADIUS_M),
+    item(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH),
+]
+
+
+class Uploader:
+    """Answers what the vehicle asks for; what is lost is said again."""
+
+    KINDS = ["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK", "STATUSTEXT"]
+
+    def __init__(self, link, system=1):
+        self.link, self.system = link, system
+        self.words = []
+
+    def send_item(self, seq, fields):
+        frame, command, p1, p2, p3, x, y, z = fields
+        self.link.mav.mission_item_int_send(self.system, 1, seq, frame, command, 0, 1, p1, p2, p3, 0, x, y, z)
+
+    def upload(self, items, patience_s=30):
+        start = time.monotonic()
+        begun = False
+        while time.monotonic() - start < patience_s:
+            if not begun:
+                self.link.mav.mission_count_send(self.system, 1, len(items))
+            message = self.link.recv_match(type=self.KINDS, blocking=True, timeout=1)
+            if message is None:
+                if begun:  # the acknowledgement may be lost
+                    self.send_item(len(items) - 1, items[-1])
+            elif message.get_type() == "STATUSTEXT":
+                self.words.append(message.text)
+            elif message.get_type() == "MISSION_ACK":
+                return message.type
+            else:
+                begun = True
+                self.send_item(message.seq, items[message.seq])
+        raise TimeoutError("the upload did not end")
+
+    def ask(self, send, kind):
+        for _ in range(60):
+            send()
+            message = self.link.recv_match(type=kind, blocking=True, timeout=0.3)
+            if message is not None:
+                return message
+        raise TimeoutError(kind)
+
+    def download(self):
+        count = self.ask(lambda: self.link.mav.mission_request_list_send(self.system, 1), "MISSION_COUNT").count
+        items = {}
+        while len(items) < count:
+            seq = len(items)
+            item = self.ask(lambda: self.link.mav.mission_request_int_send(self.system, 1, seq), "MISSION_ITEM_INT")
+            items[item.seq] = item
+        return [items[seq] for seq in range(count)]
+
+
+@pytest.fixture
+def uploader(craft):
+    return Uploader(craft.link, craft.system)
+
+
+def test_what_is_uploaded_is_downloaded(uploader):
+    assert uploader.upload(TEN) == mavlink.MAV_MISSION_ACCEPTED
+    back = uploader.download()
+    assert [(item.command, item.x, item.y, item.z) for item in back[1:]] == [(i[1], i[5], i[6], i[7]) for i in TEN[1:]]
+
+
+def test_ten_items_are_flown_and_reached_within_their_radius(start_vehicles, scenario):
+    craft = start_vehicles(scenario(), "--speed", 20).connect()[0]
+    assert Uploader(craft.link, craft.system).upload(TEN) == mavlink.MAV_MISSION_ACCEPTED
+    assert craft.set_mode(AUTO) == ACCEPTED
+    reached, nearest = [], {}
+    while True:
+        message = craft.wait(["MISSION_ITEM_REACHED", "LOCAL_POSITION_NED", "HEARTBEAT"])
+        if message.get_type() == "MISSION_ITEM_REACHED":
+            reached.append(message.seq)
+        elif message.get_type() == "HEARTBEAT":
+            if message.custom_mode == RTL:
+                break
+        else:
+            for seq, (_, command, *_rest) in enumerate(TEN):
+                if command == WAYPOINT:
+                    north_m, east_m = (TEN[seq][5] - TEN[0][5]), (TEN[seq][6] - TEN[0][6])
+                    away = math.hypot(
+                        message.x - north_m * 1e-7 * METRES_PER_DEGREE,
+                        message.y - east_m * 1e-7 * METRES_PER_DEGREE * math.cos(math.radians(39.98)),
+                    )
+                    nearest[seq] = min(away, nearest.get(seq, away))
+    assert reached == [1, 2, 4, 5, 6, 7, 8, 9]
+    # Positions come every 0.1 s: the nearest of them may be 0.6 m off, and the vehicle turns away at the radius.
+    assert all(nearest[seq] < RADIUS_M + 2 for seq in reached if seq in nearest), nearest
+
+
+@pytest.mark.parametrize(
+    ("bad", "code"),
+    [
+        (item(mavlink.MAV_CMD_NAV_LAND), mavlink.MAV_MISSION_UNSUPPORTED),
+        (item(WAYPOINT, frame=mavlink.MAV_FRAME_LOCAL_NED), mavlink.MAV_MISSION_UNSUPPORTED_FRAME),
+        (item(WAYPOINT, p1=math.nan), mavlink.MAV_MISSION_INVALID_PARAM1),
+        (item(WAYPOINT, altitude_m=math.nan), mavlink.MAV_MISSION_INVALID_PARAM7),
+        (item(59_999), mavlink.MAV_MISSION_UNSUPPORTED),
+    ],
+)
+def test_a_bad_item_is_refused_and_the_old_mission_stays(uploader, bad, code):
+    uploader.upload(TEN[:4])
+    assert uploader.upload([*TEN[:2], bad, TEN[3]]) == code
+    assert len(uploader.download()) == 4
+    assert uploader.words[-1].startswith("Mission refused: ")
+
+
+def test_a_gap_and_an_oversize_are_refused(craft, uploader):
+    craft.link.mav.mission_count_send(craft.system, 1, 3)
+    craft.wait(["MISSION_REQUEST_INT"])
+    uploader.send_item(2, TEN[2])
+    assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_INVALID_SEQUENCE
+    craft.link.mav.mission_count_send(craft.system, 1, 701)
+    assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_NO_SPACE
+
+
+def test_without_a_mission_auto_fails(craft):
+    assert craft.set_mode(AUTO) == FAILED
+    assert craft.command_long(mavlink.MAV_CMD_MISSION_START) == FAILED
+    assert craft.mode() == GUIDED
+
+
+def test_the_old_messages_work_too(craft):
+    """MISSION_ITEM and MISSION_REQUEST, floats throughout."""
+    x, y = (degrees / 1e7 for degrees in place(50, 50))
+    craft.link.mav.mission_count_send(craft.system, 1, 2)
+    for _ in range(2):
+        seq = craft.wait(["MISSION_REQUEST", "MISSION_REQUEST_INT"]).seq
+        craft.link.mav.mission_item_send(craft.system, 1, seq, mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT, WAYPOINT, 0, 1, 0, 0, 0, 0, x, y, 60)
+    assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_ACCEPTED
+    craft.link.mav.mission_request_send(craft.system, 1, 1)
+    assert craft.wait(["MISSION_ITEM"]).x == pytest.approx(x, abs=1e-5)
+
+
+def test_transfers_complete_over_a_link_that_loses_a_third_each_way(start_vehicles, scenario):
+    row = start_vehicles(scenario(), "--loss", 0.3).rows[0]
+    link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
+    uploader = Uploader(link, row["system_id"])
+    assert uploader.upload(TEN) == mavlink.MAV_MISSION_ACCEPTED
+    assert len(uploader.download()) == len(TEN)
+    link.close()
