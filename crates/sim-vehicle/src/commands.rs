@@ -10,7 +10,7 @@
 
 use crate::parameters::Parameter;
 use crate::settings::RATE_PER_STEP_MAX;
-use crate::telemetry::Stream;
+use crate::streams::Stream;
 use crate::{Mode, Vehicle};
 use mavlink_bridge::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavModeFlag, MavResult};
 use std::time::Duration;

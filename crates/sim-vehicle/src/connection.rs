@@ -5,7 +5,7 @@
 #![allow(deprecated)]
 
 use crate::Vehicle;
-use crate::telemetry::Stream;
+use crate::streams::Stream;
 use mavlink_bridge::Target;
 use mavlink_bridge::dialect::{
     FILE_TRANSFER_PROTOCOL_DATA, LOG_ENTRY_DATA, MavDataStream, Message, REQUEST_DATA_STREAM_DATA,

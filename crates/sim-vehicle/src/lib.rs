@@ -20,6 +20,7 @@ mod parameters;
 mod reposition;
 mod services;
 mod settings;
+mod streams;
 mod telemetry;
 mod vehicle;
 

@@ -1,7 +1,8 @@
 //! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an autopilot
 //! has them for each of its ports.
 
-use crate::telemetry::{Instruments, Schedule, Stream};
+use crate::streams::{Schedule, Stream};
+use crate::telemetry::Instruments;
 use crate::{PeerId, TelemetryRates, Transmit, VehicleSettings};
 use mavlink_bridge::dialect::{MavResult, Message};
 use mavlink_bridge::{Encoder, ItemKind, PlanItem, Target, Version};

@@ -1,8 +1,9 @@
-//! What the vehicle says of itself, and how often.
+//! What the vehicle says of itself.
 
+use crate::Mode;
 use crate::flight::Flight;
 use crate::mission::{Mission, Progress};
-use crate::{Mode, TelemetryRates};
+use crate::streams::Stream;
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
     BATTERY_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavBatteryFault, MavModeFlag,
@@ -11,174 +12,6 @@ use mavlink_bridge::dialect::{
 };
 use mavlink_bridge::{local_position_ned, telemetry};
 use std::time::Duration;
-
-/// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stream {
-    Heartbeat,
-    SysStatus,
-    SystemTime,
-    Attitude,
-    GlobalPositionInt,
-    VfrHud,
-    GpsRawInt,
-    MissionCurrent,
-    GpsGlobalOrigin,
-    HomePosition,
-    BatteryStatus,
-    ExtendedSysState,
-    AutopilotVersion,
-    ProtocolVersion,
-    LocalPositionNed,
-}
-
-impl Stream {
-    pub const COUNT: usize = 15;
-    pub const ALL: [Stream; Self::COUNT] = [
-        Stream::Heartbeat,
-        Stream::SysStatus,
-        Stream::SystemTime,
-        Stream::Attitude,
-        Stream::GlobalPositionInt,
-        Stream::VfrHud,
-        Stream::GpsRawInt,
-        Stream::MissionCurrent,
-        Stream::GpsGlobalOrigin,
-        Stream::HomePosition,
-        Stream::BatteryStatus,
-        Stream::ExtendedSysState,
-        Stream::AutopilotVersion,
-        Stream::ProtocolVersion,
-        Stream::LocalPositionNed,
-    ];
-
-    /// The message id of <https://mavlink.io/en/messages/common.html>.
-    pub fn message_id(self) -> u32 {
-        match self {
-            Stream::Heartbeat => 0,
-            Stream::SysStatus => 1,
-            Stream::SystemTime => 2,
-            Stream::GpsRawInt => 24,
-            Stream::Attitude => 30,
-            Stream::LocalPositionNed => 32,
-            Stream::GlobalPositionInt => 33,
-            Stream::MissionCurrent => 42,
-            Stream::GpsGlobalOrigin => 49,
-            Stream::VfrHud => 74,
-            Stream::BatteryStatus => 147,
-            Stream::AutopilotVersion => 148,
-            Stream::HomePosition => 242,
-            Stream::ExtendedSysState => 245,
-            Stream::ProtocolVersion => 300,
-        }
-    }
-
-    pub fn from_message_id(id: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|stream| stream.message_id() == id)
-    }
-
-    fn default_rate_hz(self, rates: &TelemetryRates) -> f64 {
-        match self {
-            Stream::Heartbeat => rates.heartbeat_hz,
-            // One group, as in ArduPlane.
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => rates.sys_status_hz,
-            Stream::SystemTime => rates.system_time_hz,
-            Stream::Attitude => rates.attitude_hz,
-            Stream::GlobalPositionInt => rates.global_position_int_hz,
-            Stream::VfrHud => rates.vfr_hud_hz,
-            Stream::LocalPositionNed => rates.local_position_ned_hz,
-            Stream::GpsGlobalOrigin
-            | Stream::HomePosition
-            | Stream::BatteryStatus
-            | Stream::ExtendedSysState
-            | Stream::AutopilotVersion
-            | Stream::ProtocolVersion => 0.0,
-        }
-    }
-
-    /// Changes the rate at which this stream comes by default.
-    pub fn set_default_rate(self, rates: &mut TelemetryRates, rate_hz: f64) {
-        let rate = match self {
-            Stream::Heartbeat => &mut rates.heartbeat_hz,
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => &mut rates.sys_status_hz,
-            Stream::SystemTime => &mut rates.system_time_hz,
-            Stream::Attitude => &mut rates.attitude_hz,
-            Stream::GlobalPositionInt => &mut rates.global_position_int_hz,
-            Stream::VfrHud => &mut rates.vfr_hud_hz,
-            Stream::LocalPositionNed => &mut rates.local_position_ned_hz,
-            Stream::GpsGlobalOrigin
-            | Stream::HomePosition
-            | Stream::BatteryStatus
-            | Stream::ExtendedSysState
-            | Stream::AutopilotVersion
-            | Stream::ProtocolVersion => return,
-        };
-        *rate = rate_hz;
-    }
-
-    /// The time between two messages by default; none if the stream is off.
-    pub fn default_interval(self, rates: &TelemetryRates) -> Option<Duration> {
-        let rate_hz = self.default_rate_hz(rates);
-        (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
-    }
-}
-
-/// When each stream of one link is due next. A stream is due at whole multiples of its interval, without drift.
-#[derive(Clone, Debug)]
-pub(crate) struct Schedule {
-    interval: [Option<Duration>; Stream::COUNT],
-    due: [Duration; Stream::COUNT],
-    next: Duration,
-}
-
-impl Schedule {
-    pub fn new(rates: &TelemetryRates, time: Duration) -> Self {
-        let interval = Stream::ALL.map(|stream| stream.default_interval(rates));
-        let due = interval.map(|interval| next_multiple(interval, time));
-        let mut schedule = Self { interval, due, next: Duration::MAX };
-        schedule.find_next();
-        schedule
-    }
-
-    /// The earliest time at which anything is due; [`Duration::MAX`] if all is off.
-    pub fn next(&self) -> Duration {
-        self.next
-    }
-
-    /// Sets the time between two messages of a stream; none switches it off.
-    pub fn set_interval(&mut self, stream: Stream, interval: Option<Duration>, time: Duration) {
-        let index = stream as usize;
-        self.interval[index] = interval;
-        self.due[index] = next_multiple(interval, time);
-        self.find_next();
-    }
-
-    /// Takes what is due at `time`, in the order of [`Stream::ALL`].
-    pub fn take_due(&mut self, time: Duration) -> impl Iterator<Item = Stream> + use<> {
-        let mut taken = [false; Stream::COUNT];
-        if self.next <= time {
-            for (index, due) in self.due.iter_mut().enumerate() {
-                if *due <= time {
-                    taken[index] = true;
-                    *due = next_multiple(self.interval[index], time);
-                }
-            }
-            self.find_next();
-        }
-        Stream::ALL.into_iter().filter(move |stream| taken[*stream as usize])
-    }
-
-    fn find_next(&mut self) {
-        self.next = self.due.into_iter().min().unwrap_or(Duration::MAX);
-    }
-}
-
-/// The first whole multiple of an interval after `time`.
-fn next_multiple(interval: Option<Duration>, time: Duration) -> Duration {
-    let Some(interval) = interval.filter(|interval| !interval.is_zero()) else { return Duration::MAX };
-    let past_nanos = u64::try_from(time.as_nanos() % interval.as_nanos()).unwrap_or(0);
-    time.saturating_add(interval).saturating_sub(Duration::from_nanos(past_nanos))
-}
 
 /// Everything that the messages are made of, at one moment.
 pub(crate) struct Instruments<'a> {
@@ -351,52 +184,25 @@ mod tests {
     use crate::VehicleSettings;
     use mavlink_bridge::dialect::DialectMessage;
 
-    fn due_in(schedule: &mut Schedule, from_ms: u64, to_ms: u64) -> Vec<(u64, Stream)> {
-        (from_ms / 10 + 1..=to_ms / 10)
-            .flat_map(|step| schedule.take_due(Duration::from_millis(10 * step)).map(move |stream| (10 * step, stream)))
-            .collect()
-    }
-
-    #[test]
-    fn the_rates_are_kept_without_drift() {
-        let rates = TelemetryRates { attitude_hz: 30.0, ..TelemetryRates::default() };
-        let mut schedule = Schedule::new(&rates, Duration::ZERO);
-        let sent = due_in(&mut schedule, 0, 60_000);
-        let count = |stream| sent.iter().filter(|(_, sent)| *sent == stream).count();
-        assert_eq!(count(Stream::LocalPositionNed), 600);
-        assert_eq!(count(Stream::Heartbeat), 60);
-        assert_eq!(count(Stream::VfrHud), 240);
-        assert!((1_799..=1_800).contains(&count(Stream::Attitude)));
-        assert_eq!(count(Stream::HomePosition), 0);
-    }
-
-    #[test]
-    fn an_interval_can_be_set_and_switched_off() {
-        let mut schedule = Schedule::new(&TelemetryRates::OFF, Duration::ZERO);
-        assert_eq!(schedule.next(), Duration::MAX);
-        schedule.set_interval(Stream::HomePosition, Some(Duration::from_millis(50)), Duration::from_millis(70));
-        let times: Vec<u64> = due_in(&mut schedule, 70, 200).into_iter().map(|(time, _)| time).collect();
-        assert_eq!(times, [100, 150, 200]);
-        schedule.set_interval(Stream::HomePosition, None, Duration::from_millis(200));
-        assert_eq!(due_in(&mut schedule, 200, 1_000), []);
-    }
-
-    #[test]
-    fn every_stream_makes_its_own_message() {
-        let flight = Flight::new(&VehicleSettings::default());
-        let frame = VehicleSettings::default().frame;
+    fn message(flight: &Flight, stream: Stream) -> Message {
         let instruments = Instruments {
             time: Duration::ZERO,
             system_id: 1,
             mission: &Mission::default(),
             progress: &Progress::default(),
-            flight: &flight,
-            frame: &frame,
+            flight,
+            frame: &VehicleSettings::default().frame,
             failsafe: false,
             clock_epoch_us: 7,
         };
+        instruments.message(stream)
+    }
+
+    #[test]
+    fn every_stream_makes_its_own_message() {
+        let flight = Flight::new(&VehicleSettings::default());
         for stream in Stream::ALL {
-            assert_eq!(instruments.message(stream).message_id(), stream.message_id());
+            assert_eq!(message(&flight, stream).message_id(), stream.message_id());
             assert_eq!(Stream::from_message_id(stream.message_id()), Some(stream));
         }
     }
@@ -413,18 +219,7 @@ mod tests {
         let mut flight = Flight::new(&VehicleSettings::default());
         flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
         (0..50).for_each(|_| flight.step());
-        let frame = VehicleSettings::default().frame;
-        let instruments = Instruments {
-            time: Duration::ZERO,
-            system_id: 1,
-            mission: &Mission::default(),
-            progress: &Progress::default(),
-            flight: &flight,
-            frame: &frame,
-            failsafe: false,
-            clock_epoch_us: 0,
-        };
-        let Message::ATTITUDE(attitude) = instruments.message(Stream::Attitude) else { panic!() };
+        let Message::ATTITUDE(attitude) = message(&flight, Stream::Attitude) else { panic!() };
         assert!((attitude.roll - std::f32::consts::FRAC_PI_4).abs() < 1e-5);
         assert!((attitude.yawspeed - 1.0).abs() < 1e-5);
     }

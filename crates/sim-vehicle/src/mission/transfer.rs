@@ -4,7 +4,7 @@
 #![allow(deprecated)]
 
 use super::{ITEMS_MAX, WAYPOINT, check};
-use crate::telemetry::Stream;
+use crate::streams::Stream;
 use crate::{PeerId, Vehicle};
 use mavlink_bridge::dialect::{
     MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavMissionResult,

@@ -2,7 +2,7 @@
 
 use super::pace::PARAMETERS_AT_ONCE;
 use super::{Parameter, ParameterRefused};
-use crate::telemetry::Stream;
+use crate::streams::Stream;
 use crate::{PeerId, Vehicle};
 use mavlink_bridge::dialect::{MavParamError, MavSeverity, Message};
 use mavlink_bridge::{ParameterRequest, Target, parameter_error, parameter_value};
