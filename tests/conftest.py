@@ -42,7 +42,8 @@ pattern = "line"
 @pytest.fixture(scope="session")
 def columba_program():
     """The built program, by its path; of that name for the plugin's sake."""
-    path = Path(os.environ.get("COLUMBA_BIN", PROJECT / "target/release/columba"))
+    # Whole, for tests that run elsewhere.
+    path = Path(os.environ.get("COLUMBA_BIN", PROJECT / "target/release/columba")).resolve()
     assert path.exists(), f"{path} is not built: cargo build --release, or set COLUMBA_BIN"
     return path
 

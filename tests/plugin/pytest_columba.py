@@ -95,7 +95,7 @@ def columba_program():
     """The program's path; override this fixture where yours is elsewhere."""
     program = os.environ.get("COLUMBA_BIN") or shutil.which("columba")
     assert program, "there is no columba on the PATH: set COLUMBA_BIN to the program"
-    return program
+    return os.path.abspath(program)
 
 
 @pytest.fixture
