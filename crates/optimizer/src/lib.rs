@@ -44,6 +44,7 @@ mod algorithm;
 pub mod archive;
 pub mod crowding;
 pub mod dominance;
+mod factors;
 mod flock;
 pub mod indicators;
 mod mpio;

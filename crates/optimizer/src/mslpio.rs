@@ -3,6 +3,7 @@
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
+use crate::factors;
 use crate::flock::{Evolve, ParetoFlock};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
 use crate::population::{pick, uniform};
@@ -73,7 +74,7 @@ impl MslpioSettings {
 
     /// N of Eq. 13, the pigeons of the first generation.
     pub fn population(&self) -> usize {
-        self.base_population.saturating_add(self.dimension_setting / 5)
+        factors::population(self.base_population, self.dimension_setting)
     }
 
     /// How many candidates a solve evaluates.
@@ -85,8 +86,7 @@ impl MslpioSettings {
     /// optimisers comparable. Nobody leaves the flock.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         Self {
-            // Of Eq. 13, which adds one for every five of D.
-            base_population: candidates.saturating_sub(self.dimension_setting / 5),
+            base_population: factors::base_population(candidates, self.dimension_setting),
             iterations: generations.saturating_sub(1),
             removed_per_iteration: 0,
             archive_capacity: candidates,
@@ -96,12 +96,12 @@ impl MslpioSettings {
 
     /// c1 of Eq. 18, how strongly a pigeon learns from its model: 1 - ln(D/M).
     pub fn learning_factor(&self) -> f64 {
-        1.0 - libm::log(self.dimension_setting as f64 / self.base_population as f64)
+        factors::learning(self.dimension_setting, self.base_population)
     }
 
     /// c2 of Eq. 18, how strongly a pigeon is drawn to the centre: a D/M.
     pub fn social_influence_factor(&self) -> f64 {
-        self.social_coefficient * (self.dimension_setting as f64 / self.base_population as f64)
+        factors::social_influence(self.social_coefficient, self.dimension_setting, self.base_population)
     }
 }
 

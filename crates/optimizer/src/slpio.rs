@@ -3,6 +3,7 @@
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
+use crate::factors;
 use crate::flock::{ParetoFlock, mean};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
 use crate::population::{pick, uniform};
@@ -68,14 +69,13 @@ impl SlpioSettings {
 
     /// N of Eq. 13, the pigeons until the landmark stage: M + floor(D/5).
     pub fn population(&self) -> usize {
-        self.base_population.saturating_add(self.dimension_setting / 5)
+        factors::population(self.base_population, self.dimension_setting)
     }
 
     /// How many candidates a solve evaluates.
     pub fn evaluations(&self) -> usize {
-        let map_and_compass = self.population().saturating_mul(self.map_and_compass_iterations.saturating_add(1));
-        let left = |nc: usize| self.population().saturating_sub(nc.saturating_mul(self.removed_per_iteration));
-        (1..=self.landmark_iterations).fold(map_and_compass, |evaluations, nc| evaluations.saturating_add(left(nc)))
+        let landmark = settings::evaluations(self.population(), self.removed_per_iteration, self.landmark_iterations);
+        self.population().saturating_mul(self.map_and_compass_iterations).saturating_add(landmark)
     }
 
     /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
@@ -84,7 +84,7 @@ impl SlpioSettings {
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         let iterations = generations.saturating_sub(1);
         Self {
-            base_population: candidates.saturating_sub(self.dimension_setting / 5),
+            base_population: factors::base_population(candidates, self.dimension_setting),
             map_and_compass_iterations: iterations - iterations / 4,
             landmark_iterations: iterations / 4,
             removed_per_iteration: 0,
@@ -94,12 +94,12 @@ impl SlpioSettings {
 
     /// c1 of Eq. 14, how strongly a pigeon learns from its demonstrator: 1 - ln(D/M).
     pub fn learning_factor(&self) -> f64 {
-        1.0 - libm::log(self.dimension_setting as f64 / self.base_population as f64)
+        factors::learning(self.dimension_setting, self.base_population)
     }
 
     /// c2 of Eq. 15, how strongly a pigeon is drawn to the centre: a D/M.
     pub fn social_influence_factor(&self) -> f64 {
-        self.social_coefficient * (self.dimension_setting as f64 / self.base_population as f64)
+        factors::social_influence(self.social_coefficient, self.dimension_setting, self.base_population)
     }
 }
 

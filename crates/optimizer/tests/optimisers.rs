@@ -2,12 +2,15 @@
 
 #![expect(clippy::expect_used, reason = "the helpers of tests are tests")]
 
+mod pointwise;
+
 use optimizer::indicators::{hypervolume, igd_plus, rows};
 use optimizer::suites::Suite;
 use optimizer::{
     Algorithm, Bounds, Candidates, Evaluations, Front, Mpio, MpioSettings, Nsga2, Nsga2Settings, OptimizeError,
     Optimizer, OptimizerSettings, Problem, Random, RandomSettings, SettingsError, Slpio, SlpioSettings, stream,
 };
+use pointwise::Pointwise;
 use proptest::prelude::*;
 use rand::RngExt;
 
@@ -19,46 +22,6 @@ fn optimisers() -> Vec<(Box<dyn Optimizer>, usize, usize)> {
         (settings.build().expect("in range"), settings.evaluations(), most)
     };
     Algorithm::ALL.iter().map(each).collect()
-}
-
-/// Any problem that judges one candidate at a time: position to objectives, returning the violation.
-struct Pointwise<F> {
-    bounds: Vec<Bounds>,
-    objectives: usize,
-    judge: F,
-    evaluations: usize,
-    kept_bounds: bool,
-}
-
-impl<F: FnMut(&[f64], &mut [f64]) -> f64> Pointwise<F> {
-    fn new(bounds: &[(f64, f64)], objectives: usize, judge: F) -> Self {
-        let bounds = bounds.iter().map(|&(lower, upper)| Bounds::new(lower, upper)).collect();
-        Self { bounds, objectives, judge, evaluations: 0, kept_bounds: true }
-    }
-}
-
-impl<F: FnMut(&[f64], &mut [f64]) -> f64> Problem for Pointwise<F> {
-    fn bounds(&self) -> &[Bounds] {
-        &self.bounds
-    }
-
-    fn objectives(&self) -> usize {
-        self.objectives
-    }
-
-    fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
-        self.evaluations += candidates.len();
-        let mut costs = vec![0.0; self.objectives];
-        for i in 0..candidates.len() {
-            let position: Vec<f64> = (0..candidates.dimensions()).map(|d| candidates.coordinate(d)[i]).collect();
-            self.kept_bounds &=
-                position.iter().zip(&self.bounds).all(|(x, bounds)| (bounds.lower..=bounds.upper).contains(x));
-            evaluations.violation()[i] = (self.judge)(&position, &mut costs);
-            for (k, cost) in costs.iter().enumerate() {
-                evaluations.objective(k)[i] = *cost;
-            }
-        }
-    }
 }
 
 /// The first objective is x, and the others pull against it.
