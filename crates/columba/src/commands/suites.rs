@@ -2,11 +2,10 @@
 
 use super::{Failure, print_line, start_threads};
 use crate::args::{Cli, SuitesArgs};
+use crate::flying;
 use crate::record::RunFolder;
 use crate::suites::{self, Plan};
 use anyhow::anyhow;
-use indicatif::{ProgressBar, ProgressDrawTarget};
-use std::io::IsTerminal;
 
 /// Solves everything, writes the folder and prints the table.
 pub fn suites(cli: &Cli, args: &SuitesArgs) -> Result<(), Failure> {
@@ -21,10 +20,7 @@ pub fn suites(cli: &Cli, args: &SuitesArgs) -> Result<(), Failure> {
     start_threads(cli)?;
     let folder = RunFolder::create(&args.out)
         .map_err(|error| anyhow!("--out: {error}: must be a folder that can be made and written into"))?;
-    let bar = ProgressBar::new(plan.solves() as u64);
-    if cli.quiet || !std::io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::hidden());
-    }
+    let bar = flying::progress_over(plan.solves(), "solves", cli.quiet);
     let solves = plan.run(|| bar.inc(1))?;
     bar.finish_and_clear();
 

@@ -6,9 +6,7 @@ use crate::config::Scenario;
 use crate::flight::{Flight, Summary};
 use crate::flying::{self, Progress, Stop};
 use anyhow::{Context, anyhow};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::collections::HashSet;
-use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -38,7 +36,7 @@ pub fn fly(plan: &Plan, journal: Journal, flown: &mut Flown, crew: &Crew) -> any
         .flights()
         .filter(|planned| !flown.contains_key(&planned.key) && seen.insert(planned.key.clone()))
         .collect();
-    let bar = bar(left.len(), crew.quiet);
+    let bar = flying::progress_over(left.len(), "flights", crew.quiet);
     let kept = Mutex::new((journal, flown));
     crew.work(left.len(), |index| {
         let planned = &left[index];
@@ -103,18 +101,6 @@ impl Crew {
             workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| anyhow!("a flight's thread failed"))?)
         })
     }
-}
-
-/// A bar over flights, drawn only on a terminal and only unless `quiet`.
-fn bar(flights: usize, quiet: bool) -> ProgressBar {
-    let bar = ProgressBar::new(flights as u64);
-    if quiet || !std::io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::hidden());
-    }
-    if let Ok(style) = ProgressStyle::with_template("  {bar:32} {pos} of {len} flights, {eta} left") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ pub use ground::{Ground, GroundError};
 pub use lockstep::fly as fly_in_lockstep;
 pub use log::Log;
 pub use memory::fly as fly_in_memory;
-pub use progress::Progress;
+pub use progress::{Progress, progress_over};
 pub use real_time::{Pace, fly as fly_in_real_time};
 pub use recorder::{Ended, Recorder};
 pub use truth::{Truth, truth};

@@ -1,4 +1,4 @@
-//! How far a flight is, on a terminal that someone watches.
+//! How far a flight is, or many of something, on a terminal that someone watches.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -13,14 +13,7 @@ pub struct Progress {
 impl Progress {
     /// A bar for a flight of `ticks`, drawn only on a terminal and only unless `quiet`.
     pub fn new(ticks: u64, period: Duration, quiet: bool) -> Self {
-        let bar = ProgressBar::new(ticks);
-        if quiet || !std::io::stderr().is_terminal() {
-            bar.set_draw_target(ProgressDrawTarget::hidden());
-        }
-        if let Ok(style) = ProgressStyle::with_template("  {bar:32} {msg} {percent:>3} %") {
-            bar.set_style(style);
-        }
-        Self { bar, period }
+        Self { bar: bar(ticks, "{msg} {percent:>3} %", quiet), period }
     }
 
     /// So many ticks are flown.
@@ -30,6 +23,22 @@ impl Progress {
         }
         self.bar.set_position(ticks);
     }
+}
+
+/// A bar over many of something, `what` as people call them, drawn as a [`Progress`] is.
+pub fn progress_over(count: usize, what: &str, quiet: bool) -> ProgressBar {
+    bar(count as u64, &format!("{{pos}} of {{len}} {what}, {{eta}} left"), quiet)
+}
+
+fn bar(length: u64, beside: &str, quiet: bool) -> ProgressBar {
+    let bar = ProgressBar::new(length);
+    if quiet || !std::io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+    }
+    if let Ok(style) = ProgressStyle::with_template(&format!("  {{bar:32}} {beside}")) {
+        bar.set_style(style);
+    }
+    bar
 }
 
 impl Drop for Progress {
