@@ -77,6 +77,11 @@ impl State {
         self.with_velocity(north_mps - wind.north_mps, east_mps - wind.east_mps)
     }
 
+    /// What [`in_air`](Self::in_air) of the same wind makes this: speed and course over ground from airspeed and heading.
+    pub fn over_ground(&self, wind: &Wind) -> State {
+        self.in_air(&Wind { north_mps: -wind.north_mps, east_mps: -wind.east_mps, up_mps: -wind.up_mps })
+    }
+
     fn with_velocity(&self, north_mps: f64, east_mps: f64) -> State {
         let speed_mps = (north_mps * north_mps + east_mps * east_mps).sqrt();
         let course_rad =
@@ -95,14 +100,8 @@ impl Autopilot {
         if wind.north_mps == 0.0 && wind.east_mps == 0.0 {
             return self.step(state, setpoint);
         }
-        let next = self.step(&state.in_air(wind), setpoint);
-        let (north_mps, east_mps) = next.velocity_mps();
-        let ground = next.with_velocity(north_mps + wind.north_mps, east_mps + wind.east_mps);
-        State {
-            x_m: next.x_m + self.step_s() * wind.north_mps,
-            y_m: next.y_m + self.step_s() * wind.east_mps,
-            ..ground
-        }
+        let next = self.step(&state.in_air(wind), setpoint).over_ground(wind);
+        State { x_m: next.x_m + self.step_s() * wind.north_mps, y_m: next.y_m + self.step_s() * wind.east_mps, ..next }
     }
 }
 

@@ -11,6 +11,7 @@ mod failsafe;
 mod flight;
 mod host;
 mod hosting;
+mod life;
 mod links;
 mod lockstep;
 mod mission;

@@ -2,6 +2,7 @@
 
 use crate::failsafe::Failsafes;
 use crate::flight::Flight;
+use crate::life::Life;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
 use crate::mission::{Mission, Progress, Upload};
@@ -55,6 +56,7 @@ pub struct Vehicle {
     pub(crate) lockstep: Option<Lockstep>,
     pub(crate) host_now: Duration,
     pub(crate) failsafes: Failsafes,
+    pub(crate) life: Life,
     pub(crate) parameters: Parameters,
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
@@ -95,14 +97,16 @@ impl Vehicle {
     }
 
     fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        let parameters = Parameters::new(&settings);
         let mut vehicle = Self {
+            life: Life::new(&settings, &parameters),
             flight: Flight::new(&settings),
             links: Links::new(&settings),
             time: Duration::ZERO,
             lockstep,
             host_now: Duration::ZERO,
             failsafes: Failsafes::new(),
-            parameters: Parameters::new(&settings),
+            parameters,
             parameters_changed: false,
             listings: Listings::default(),
             pace: Arc::default(),
@@ -169,7 +173,7 @@ impl Vehicle {
         if !setpoint.is_finite() {
             return Err(SetpointRefusal::NotFinite.into());
         }
-        self.flight.set_speed(setpoint.speed_mps, f64::INFINITY);
+        self.flight.set_ground_speed(setpoint.speed_mps);
         self.flight.set_course(setpoint.course_rad, f64::INFINITY);
         self.flight.set_altitude(setpoint.altitude_m, f64::INFINITY);
         self.restart_setpoint_timeout();
@@ -187,6 +191,7 @@ impl Vehicle {
         let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
         self.links.begin_batch(None);
         self.integrate(tick_end.saturating_sub(self.settings.step), track);
+        self.live();
         self.flight.step();
         self.time = tick_end;
         track.push(*self.flight.state());
@@ -251,10 +256,10 @@ impl Vehicle {
         self.flight.is_armed()
     }
 
-    /// Whether the lack of setpoints took it out of GUIDED and nobody has set a mode since, or its ground station is
-    /// missing.
+    /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
+    /// station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafes.setpoints_lost || self.failsafes.ground_lost
+        self.failsafes.is_any()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
@@ -285,6 +290,7 @@ impl Vehicle {
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
         let step = self.settings.step;
         while self.time + step <= until {
+            self.live();
             self.flight.step();
             self.time += step;
             track.push(*self.flight.state());
@@ -321,7 +327,7 @@ impl Vehicle {
     }
 
     pub(crate) fn send_stream(&mut self, link: usize, stream: Stream) {
-        self.with_instruments(|links, instruments| links.send(link, &instruments.message(stream)));
+        self.with_instruments(|links, instruments| links.send_stream(link, stream, instruments));
     }
 
     pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
@@ -338,7 +344,10 @@ impl Vehicle {
             frame: &self.settings.frame,
             mission: &self.mission,
             progress: &self.progress,
-            failsafe: self.failsafes.setpoints_lost || self.failsafes.ground_lost,
+            failsafe: self.failsafes.is_any(),
+            life: &self.life,
+            parameters: &self.parameters,
+            battery_level: self.failsafes.battery.level(),
             clock_epoch_us: self.settings.clock_epoch_us,
         };
         send(&mut self.links, &instruments);

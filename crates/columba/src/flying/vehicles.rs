@@ -22,6 +22,8 @@ pub fn system_id(index: usize) -> u8 {
 pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_epoch_us: u64) -> Vec<VehicleSettings> {
     let autopilot = &scenario.autopilot;
     let vehicle = |(index, start): (usize, &flight_model::State)| VehicleSettings {
+        seed: scenario.seed,
+        number: index as u64,
         system_id: system_id(index),
         dynamics: scenario.dynamics,
         step: scenario.integration_step,
@@ -36,6 +38,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
             global_position_int_hz: autopilot.global_position_int_hz,
             vfr_hud_hz: autopilot.vfr_hud_hz,
             local_position_ned_hz: autopilot.local_position_ned_hz,
+            ..TelemetryRates::default()
         },
         setpoint_timeout_s: autopilot.setpoint_timeout_s,
         loiter_radius_m: autopilot.loiter_radius_m,

@@ -97,6 +97,8 @@ impl Vehicle {
             }
             Effect::Rates(streams) => self.set_rates(streams, value),
             Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
+            Effect::RadioLoss => self.links.set_loss(f64::from(value) / 100.0),
+            Effect::Battery => self.life.battery.replace(),
             Effect::LookedUp | Effect::ReadOnly => {}
         }
         Ok(())

@@ -2,8 +2,8 @@
 #![allow(dead_code)]
 
 use mavlink_bridge::dialect::{
-    COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, LOCAL_POSITION_NED_DATA, MavCmd, MavFrame, MavResult,
-    Message,
+    COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, LOCAL_POSITION_NED_DATA, MavCmd, MavFrame, MavParamType,
+    MavResult, Message, PARAM_SET_DATA,
 };
 use mavlink_bridge::{Counters, Encoder, Frame, frames};
 use sim_vehicle::{PeerId, TelemetryRates, Vehicle, VehicleSettings};
@@ -93,6 +93,16 @@ pub fn long(target_system: u8, command: MavCmd, [param1, param2, param3]: [f32; 
         command,
         target_system,
         ..COMMAND_LONG_DATA::DEFAULT
+    })
+}
+
+pub fn set_parameter(name: &str, value: f32) -> Message {
+    Message::PARAM_SET(PARAM_SET_DATA {
+        param_value: value,
+        target_system: TARGET,
+        target_component: 1,
+        param_id: name.into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
     })
 }
 
