@@ -1,5 +1,6 @@
 //! Messages of ArduPilot's own dialect (<https://mavlink.io/en/messages/ardupilotmega.html>) that its clients wait for and
-//! the common dialect does not have. They are written from their fields, in the order of the wire.
+//! the common dialect does not have. They are written from their fields, in the order of the wire; read they are only as
+//! frames.
 
 use crate::{Encoder, telemetry::down};
 use flight_model::Wind;
@@ -8,11 +9,22 @@ use mavlink::MavlinkVersion;
 /// The longest of them, bytes.
 const PAYLOAD_MAX: usize = 26;
 
+const WIND: u32 = 168;
+const EKF_STATUS_REPORT: u32 = 193;
+
+/// CRC_EXTRA of a message id, none if it is not one of these.
+pub(crate) fn checksum_extra(message_id: u32) -> Option<u8> {
+    match message_id {
+        WIND => Some(1),
+        EKF_STATUS_REPORT => Some(71),
+        _ => None,
+    }
+}
+
 /// A message, ready for [`Encoder::encode_ardupilot`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArduPilotMessage {
     id: u32,
-    extra: u8,
     /// Length in MAVLink 1, which has no extension fields.
     length: usize,
     payload: [u8; PAYLOAD_MAX],
@@ -22,20 +34,20 @@ pub struct ArduPilotMessage {
 /// ArduPlane gives it, and its speeds in m/s.
 pub fn wind(wind: &Wind) -> ArduPilotMessage {
     let fields = [wind.direction_rad().to_degrees() as f32, wind.speed_mps() as f32, down(wind.up_mps)];
-    ArduPilotMessage::new(168, 1, 12, fields.into_iter().flat_map(f32::to_le_bytes))
+    ArduPilotMessage::new(WIND, 12, fields.into_iter().flat_map(f32::to_le_bytes))
 }
 
 /// EKF_STATUS_REPORT (<https://mavlink.io/en/messages/ardupilotmega.html#EKF_STATUS_REPORT>): the EKF_STATUS_FLAGS of what the
 /// estimator knows, and no variances: it makes no errors.
 pub fn ekf_status_report(flags: u16) -> ArduPilotMessage {
-    ArduPilotMessage::new(193, 71, 22, [0; 20].into_iter().chain(flags.to_le_bytes()))
+    ArduPilotMessage::new(EKF_STATUS_REPORT, 22, [0; 20].into_iter().chain(flags.to_le_bytes()))
 }
 
 impl ArduPilotMessage {
-    fn new(id: u32, extra: u8, length: usize, bytes: impl Iterator<Item = u8>) -> Self {
+    fn new(id: u32, length: usize, bytes: impl Iterator<Item = u8>) -> Self {
         let mut payload = [0; PAYLOAD_MAX];
         payload.iter_mut().zip(bytes).for_each(|(field, byte)| *field = byte);
-        Self { id, extra, length, payload }
+        Self { id, length, payload }
     }
 
     /// Its message id.
@@ -47,7 +59,7 @@ impl ArduPilotMessage {
 impl Encoder {
     /// Appends a message of ArduPilot's dialect to `out` as one frame.
     pub fn encode_ardupilot(&mut self, message: &ArduPilotMessage, out: &mut Vec<u8>) {
-        self.write_frame(message.id, message.extra, out, |version, payload| {
+        self.write_frame(message.id, out, |version, payload| {
             payload[..PAYLOAD_MAX].copy_from_slice(&message.payload);
             match version {
                 MavlinkVersion::V1 => message.length,

@@ -35,14 +35,13 @@ impl Encoder {
 
     /// Appends `message` to `out` as one frame.
     pub fn encode(&mut self, message: &Message, out: &mut Vec<u8>) {
-        let id = message.message_id();
-        self.write_frame(id, checksum_extra(id).unwrap_or(0), out, |version, payload| message.ser(version, payload));
+        self.write_frame(message.message_id(), out, |version, payload| message.ser(version, payload));
     }
 
     /// Appends a COMMAND_ACK for a command by its number, which the dialect need not know
     /// (<https://mavlink.io/en/messages/common.html#COMMAND_ACK>).
     pub fn encode_command_ack_raw(&mut self, command: u16, result: MavResult, target: Target, out: &mut Vec<u8>) {
-        self.write_frame(COMMAND_ACK_DATA::ID, COMMAND_ACK_DATA::EXTRA_CRC, out, |version, payload| {
+        self.write_frame(COMMAND_ACK_DATA::ID, out, |version, payload| {
             let [low, high] = command.to_le_bytes();
             let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
             payload[..fields.len()].copy_from_slice(&fields);
@@ -53,11 +52,9 @@ impl Encoder {
         });
     }
 
-    /// Appends a frame of a message id with its CRC_EXTRA, whose payload `write` writes and gives the length of.
     pub(crate) fn write_frame(
         &mut self,
         id: u32,
-        extra: u8,
         out: &mut Vec<u8>,
         write: impl FnOnce(MavlinkVersion, &mut [u8]) -> usize,
     ) {
@@ -83,7 +80,7 @@ impl Encoder {
         let length = write(version, &mut out[payload_start..]).min(PAYLOAD_MAX);
         out.truncate(payload_start + length);
         out[start + 1] = length as u8;
-        let crc = checksum(&out[start + 1..], extra);
+        let crc = checksum(&out[start + 1..], checksum_extra(id).unwrap_or(0));
         out.reserve(CHECKSUM);
         out.extend_from_slice(&crc.to_le_bytes());
         self.sequence = self.sequence.wrapping_add(1);

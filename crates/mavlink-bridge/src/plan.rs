@@ -10,7 +10,6 @@ use crate::dialect::{
     MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_ITEM_DATA, MISSION_ITEM_INT_DATA, MISSION_REQUEST_DATA,
     MISSION_REQUEST_INT_DATA, MISSION_REQUEST_LIST_DATA, MISSION_SET_CURRENT_DATA, MISSION_WRITE_PARTIAL_LIST_DATA,
 };
-use crate::frame::checksum_extra;
 use crate::{Encoder, Frame, Target};
 use mavlink::{MavlinkVersion, MessageData};
 
@@ -134,7 +133,7 @@ impl Encoder {
             ItemKind::Int => MISSION_ITEM_INT_DATA::ID,
             ItemKind::Float => MISSION_ITEM_DATA::ID,
         };
-        self.write_frame(id, checksum_extra(id).unwrap_or(0), out, |version, payload| {
+        self.write_frame(id, out, |version, payload| {
             payload[..fields.len()].copy_from_slice(&fields);
             match version {
                 MavlinkVersion::V1 => 37,

@@ -26,7 +26,7 @@ pub(crate) struct GpsSettings {
 /// The receiver's memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gps {
-    /// The states of the last steps, the newest last, as many as the lag is long; none without a lag.
+    /// The states before the last steps, the newest last, as many as the lag is long; none without a lag.
     track: VecDeque<State>,
     /// Where the fix was lost.
     last: Option<State>,
@@ -43,7 +43,7 @@ impl GpsSettings {
 }
 
 impl Gps {
-    /// Takes note of the state at a step of so long.
+    /// Takes note of the state before a step of so long.
     pub fn step(&mut self, settings: &GpsSettings, state: &State, step: Duration) {
         if settings.has_fix() {
             self.last = None;
@@ -56,7 +56,7 @@ impl Gps {
             return;
         }
         self.track.push_back(*state);
-        while self.track.len() as u128 > steps + 1 {
+        while self.track.len() as u128 > steps {
             self.track.pop_front();
         }
     }
@@ -101,7 +101,8 @@ mod tests {
     #[test]
     fn a_lag_is_as_long_as_it_is_set() {
         let late = GpsSettings { lag: Duration::from_millis(200), ..GOOD };
-        assert_eq!(fly(&mut Gps::default(), &late, 0, 100), at(80.0));
+        // The states before the steps from 0 to 100 are noted: now it is at 101.
+        assert_eq!(fly(&mut Gps::default(), &late, 0, 100), at(81.0));
     }
 
     #[test]
