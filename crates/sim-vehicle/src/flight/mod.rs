@@ -5,6 +5,7 @@ mod guidance;
 mod ramp;
 mod tuning;
 
+pub(crate) use guidance::RallyPlace;
 pub(crate) use tuning::{TAKEOFF_ALTITUDE_M, TAKEOFF_TOLERANCE_M, Tuning};
 
 use crate::{Mode, VehicleSettings};
@@ -27,6 +28,7 @@ pub(crate) struct Flight {
     armed: bool,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: (f64, f64),
+    rally: Option<RallyPlace>,
     speed: Ramp,
     altitude: Ramp,
     direction: Direction,
@@ -53,6 +55,7 @@ impl Flight {
             mode: settings.mode,
             armed: false,
             guided_point: (start.x_m, start.y_m),
+            rally: None,
             speed: Ramp::at(start.speed_mps),
             altitude: Ramp::at(start.altitude_m),
             direction: Direction::Course(start.course_rad),
@@ -168,7 +171,8 @@ impl Flight {
         if let Some(speed_mps) = self.tuning.cruise_speed_mps {
             self.set_speed(speed_mps, f64::INFINITY);
         }
-        if let Some(altitude_m) = self.tuning.rtl_altitude_m.filter(|_| self.mode == Mode::Rtl) {
+        let return_altitude_m = self.rally.map(|rally| rally.altitude_m).or(self.tuning.rtl_altitude_m);
+        if let Some(altitude_m) = return_altitude_m.filter(|_| self.mode == Mode::Rtl) {
             self.set_altitude(altitude_m, f64::INFINITY);
         }
     }
@@ -207,7 +211,7 @@ impl Flight {
             // The mission says where to; until then, as before.
             Mode::Auto => self.fly_by_itself(),
             Mode::Rtl => {
-                self.circle((0.0, 0.0), self.tuning.rtl_radius_m);
+                self.circle(self.rally.map_or(self.home(), |rally| rally.at), self.tuning.rtl_radius_m);
                 self.fly_by_itself();
             }
             Mode::Loiter => {
