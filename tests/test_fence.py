@@ -148,7 +148,7 @@ def test_transfers_complete_over_a_link_that_loses_a_third_each_way(start_vehicl
     row = start_vehicles(scenario(), "--loss", 0.3).rows[0]
     link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
     uploader = Uploader(link, row["system_id"], FENCE)
-    items = [item(STAY_IN, 100 * math.cos(a), 100 * math.sin(a), 0, p1=30) for a in range(30)]
+    items = [item(STAY_IN, 100 * math.cos(a), 100 * math.sin(a), 0, p1=12) for a in range(12)]
     assert uploader.upload(items, patience_s=60) == mavlink.MAV_MISSION_ACCEPTED
     assert len(uploader.download()) == len(items)
     link.close()
