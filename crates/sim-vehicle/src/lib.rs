@@ -13,7 +13,6 @@ mod host;
 mod hosting;
 mod links;
 mod lockstep;
-mod loiter;
 mod mission;
 mod mode;
 mod parameters;
