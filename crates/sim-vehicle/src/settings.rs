@@ -1,6 +1,6 @@
 //! What a vehicle is told before it flies.
 
-use crate::Mode;
+use crate::{Mode, Plans};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -34,12 +34,16 @@ pub struct VehicleSettings {
     pub clock_epoch_us: u64,
     /// Where telemetry goes unasked.
     pub ground: Option<SocketAddr>,
-    /// Parameters that were set before, by name, in order.
+    /// Parameters in place of the vehicle's own defaults, by name, in order.
+    pub default_parameters: Vec<(String, f32)>,
+    /// Parameters that were set before, by name, in order; they go before those above.
     pub parameters: Vec<(String, f32)>,
     /// Seed of all noise, as the scenario has it.
     pub seed: u64,
     /// The vehicle's number among those of one seed: each has its own noise.
     pub number: u64,
+    /// The plans that were on board before.
+    pub plans: Plans,
 }
 
 /// Telemetry rates, Hz; 0 is off.
@@ -93,6 +97,9 @@ pub enum SettingsError {
     /// A parameter that the vehicle does not have.
     #[error("no parameter {0}")]
     NoSuchParameter(String),
+    /// A plan that the vehicle refuses; the message says which item and why.
+    #[error("{0}")]
+    Plan(String),
     /// A parameter with a value that it refuses; the message says which and why.
     #[error("{0}")]
     Parameter(String),
@@ -125,9 +132,11 @@ impl Default for VehicleSettings {
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+            default_parameters: Vec::new(),
             parameters: Vec::new(),
             seed: 0,
             number: 0,
+            plans: Plans::default(),
         }
     }
 }

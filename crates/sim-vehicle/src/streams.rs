@@ -21,6 +21,7 @@ pub(crate) enum Stream {
     Wind,
     WindCov,
     EkfStatusReport,
+    FenceStatus,
     GpsGlobalOrigin,
     HomePosition,
     BatteryStatus,
@@ -31,7 +32,7 @@ pub(crate) enum Stream {
 }
 
 impl Stream {
-    pub const COUNT: usize = 22;
+    pub const COUNT: usize = 23;
     pub const ALL: [Stream; Self::COUNT] = [
         Stream::Heartbeat,
         Stream::SysStatus,
@@ -48,6 +49,7 @@ impl Stream {
         Stream::Wind,
         Stream::WindCov,
         Stream::EkfStatusReport,
+        Stream::FenceStatus,
         Stream::GpsGlobalOrigin,
         Stream::HomePosition,
         Stream::BatteryStatus,
@@ -79,6 +81,7 @@ impl Stream {
             Stream::Wind => 168,
             Stream::EkfStatusReport => 193,
             Stream::WindCov => 231,
+            Stream::FenceStatus => 162,
             Stream::HomePosition => 242,
             Stream::ExtendedSysState => 245,
             Stream::ProtocolVersion => 300,
@@ -95,7 +98,9 @@ impl Stream {
         match self {
             Stream::Heartbeat => Some(&mut rates.heartbeat_hz),
             Stream::RawImu | Stream::ScaledPressure => Some(&mut rates.raw_sensors_hz),
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => Some(&mut rates.sys_status_hz),
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent | Stream::FenceStatus => {
+                Some(&mut rates.sys_status_hz)
+            }
             Stream::SystemTime | Stream::Wind | Stream::BatteryStatus | Stream::EkfStatusReport => {
                 Some(&mut rates.system_time_hz)
             }

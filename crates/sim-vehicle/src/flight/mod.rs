@@ -6,6 +6,7 @@ mod guidance;
 mod ramp;
 mod tuning;
 
+pub(crate) use guidance::RallyPlace;
 pub(crate) use tuning::{TAKEOFF_ALTITUDE_M, TAKEOFF_TOLERANCE_M, Tuning};
 
 use crate::{Mode, VehicleSettings};
@@ -29,6 +30,7 @@ pub(crate) struct Flight {
     armed: bool,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: (f64, f64),
+    rally: Option<RallyPlace>,
     /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
     speed_is_over_ground: bool,
@@ -57,6 +59,7 @@ impl Flight {
             mode: settings.mode,
             armed: false,
             guided_point: (start.x_m, start.y_m),
+            rally: None,
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
             altitude: Ramp::at(start.altitude_m),
@@ -168,7 +171,8 @@ impl Flight {
         if let Some(speed_mps) = self.tuning.cruise_speed_mps {
             self.set_speed(speed_mps, f64::INFINITY);
         }
-        if let Some(altitude_m) = self.tuning.rtl_altitude_m.filter(|_| self.mode == Mode::Rtl) {
+        let return_altitude_m = self.rally.map(|rally| rally.altitude_m).or(self.tuning.rtl_altitude_m);
+        if let Some(altitude_m) = return_altitude_m.filter(|_| self.mode == Mode::Rtl) {
             self.set_altitude(altitude_m, f64::INFINITY);
         }
     }
@@ -212,7 +216,7 @@ impl Flight {
             // The mission says where to; until then, as before.
             Mode::Auto => self.fly_by_itself(),
             Mode::Rtl => {
-                self.circle((0.0, 0.0), self.tuning.rtl_radius_m);
+                self.circle(self.rally.map_or(self.home(), |rally| rally.at), self.tuning.rtl_radius_m);
                 self.fly_by_itself();
             }
             Mode::Loiter => {

@@ -4,6 +4,7 @@ mod sensors;
 
 use crate::Mode;
 use crate::failsafe::BatteryLevel;
+use crate::fence::FenceReport;
 use crate::flight::Flight;
 use crate::life::{GpsSettings, Life, Readings, SensorSettings, tick};
 use crate::mission::{Mission, Progress};
@@ -11,8 +12,8 @@ use crate::parameters::{Parameter, Parameters};
 use crate::streams::Stream;
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavModeFlag, MavProtocolCapability, MavState,
-    MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
+    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavModeFlag, MavProtocolCapability,
+    MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
 };
 use mavlink_bridge::{ArduPilotMessage, local_position_ned, telemetry};
 use std::time::Duration;
@@ -29,10 +30,16 @@ pub(crate) struct Instruments<'a> {
     pub life: &'a Life,
     pub parameters: &'a Parameters,
     pub battery_level: BatteryLevel,
+    pub fence: FenceReport,
     pub clock_epoch_us: u64,
 }
 
 impl Instruments<'_> {
+    /// Whether there is anything to say when a stream is due; asked for, it is said anyhow.
+    pub fn has(&self, stream: Stream) -> bool {
+        stream != Stream::FenceStatus || self.fence.is_enabled
+    }
+
     pub fn message(&self, stream: Stream) -> Message {
         let (time, state) = (self.time, &self.flight.estimate());
         let origin = self.frame.origin();
@@ -82,6 +89,7 @@ impl Instruments<'_> {
             ),
             Stream::MissionCurrent => self.mission_current(),
             Stream::BatteryStatus => self.battery_status(),
+            Stream::FenceStatus => self.fence_status(),
             Stream::ExtendedSysState => telemetry::extended_sys_state(self.flight.is_armed()),
             Stream::AutopilotVersion => {
                 telemetry::autopilot_version(ARDUPLANE_VERSION, capabilities(), u64::from(self.system_id))
@@ -155,6 +163,17 @@ impl Instruments<'_> {
         })
     }
 
+    fn fence_status(&self) -> Message {
+        let fence = &self.fence;
+        Message::FENCE_STATUS(FENCE_STATUS_DATA {
+            breach_time: mavlink_bridge::boot_ms(fence.breached_at),
+            breach_count: fence.breaches,
+            breach_status: u8::from(fence.breached != 0),
+            breach_type: fence.breach_type(),
+            ..FENCE_STATUS_DATA::DEFAULT
+        })
+    }
+
     fn status(&self) -> MavState {
         if self.failsafe {
             MavState::MAV_STATE_CRITICAL
@@ -179,7 +198,11 @@ impl Instruments<'_> {
         let mut sensors = sensors;
         sensors.set(MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, battery.is_some());
         // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
-        let mut health = sensors | MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+        let fence = |holds: bool| {
+            let bit = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+            if holds { bit } else { MavSysStatusSensor::empty() }
+        };
+        let mut health = sensors | fence(self.fence.breached == 0);
         let pitot_is_whole = self.parameters.get(Parameter::PitotFail) == 0.0;
         for (sensor, is_well) in [
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS, self.has_fix()),
@@ -189,8 +212,8 @@ impl Instruments<'_> {
             health &= if is_well { health } else { !sensor };
         }
         Message::SYS_STATUS(SYS_STATUS_DATA {
-            onboard_control_sensors_present: sensors,
-            onboard_control_sensors_enabled: sensors,
+            onboard_control_sensors_present: sensors | fence(self.fence.is_present),
+            onboard_control_sensors_enabled: sensors | fence(self.fence.is_active),
             onboard_control_sensors_health: health,
             // The values that mean "not known", without a monitor.
             voltage_battery: battery.map_or(u16::MAX, |battery| battery.millivolts()),
@@ -220,6 +243,8 @@ fn capabilities() -> MavProtocolCapability {
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }
@@ -257,6 +282,7 @@ mod tests {
             flight,
             frame: &VehicleSettings::default().frame,
             failsafe: false,
+            fence: FenceReport::default(),
             clock_epoch_us: 7,
         };
         at(&instruments)
