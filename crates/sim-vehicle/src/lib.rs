@@ -3,12 +3,14 @@
 //! [`Vehicle`] flies the model of Eq. 1-3 and speaks MAVLink as ArduPlane does in GUIDED. It takes datagrams and times and
 //! gives datagrams and states; [`Host`] lends sockets and a clock to any number of them.
 
+mod arming;
 mod commands;
 mod connection;
 mod counters;
 mod endpoint;
 mod failsafe;
 mod flight;
+mod home;
 mod host;
 mod hosting;
 mod links;

@@ -6,9 +6,9 @@ use crate::mission::{Mission, Progress};
 use crate::streams::Stream;
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    BATTERY_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavBatteryFault, MavModeFlag,
-    MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
-    SYS_STATUS_DATA,
+    BATTERY_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavBatteryFault, MavLandedState,
+    MavModeFlag, MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message,
+    MissionState, SYS_STATUS_DATA,
 };
 use mavlink_bridge::{local_position_ned, telemetry};
 use std::time::Duration;
@@ -22,6 +22,8 @@ pub(crate) struct Instruments<'a> {
     pub progress: &'a Progress,
     pub frame: &'a LocalFrame,
     pub failsafe: bool,
+    /// Whether it is armed, or nothing stands against it.
+    pub is_armable: bool,
     pub clock_epoch_us: u64,
 }
 
@@ -49,29 +51,54 @@ impl Instruments<'_> {
                 telemetry::attitude(time, state, roll_rad, yaw_rate_radps)
             }
             Stream::LocalPositionNed => local_position_ned(time, state),
-            Stream::GlobalPositionInt => telemetry::global_position_int(time, state, self.frame),
+            Stream::GlobalPositionInt => {
+                telemetry::global_position_int(time, state, self.frame, self.flight.home().altitude_m)
+            }
             Stream::VfrHud => {
-                // There is no engine: throttle is the share of the top speed that is flown.
-                let throttle_percent = (100.0 * state.speed_mps / self.flight.limits().speed_max_mps).round() as u16;
+                // Throttle is the share of the top speed that is flown.
+                let share = state.speed_mps / self.flight.limits().speed_max_mps;
+                let throttle_percent = if self.flight.is_engine_running() { (100.0 * share).round() as u16 } else { 0 };
                 telemetry::vfr_hud(state, origin.altitude_amsl_m + state.altitude_m, throttle_percent)
             }
             Stream::GpsRawInt => telemetry::gps_raw_int(time, state, self.frame),
             Stream::MissionCurrent => self.mission_current(),
             Stream::BatteryStatus => unknown_battery(),
-            Stream::ExtendedSysState => telemetry::extended_sys_state(self.flight.is_armed()),
+            Stream::ExtendedSysState => telemetry::extended_sys_state(self.landed_state()),
             Stream::AutopilotVersion => {
                 telemetry::autopilot_version(ARDUPLANE_VERSION, capabilities(), u64::from(self.system_id))
             }
             Stream::ProtocolVersion => telemetry::protocol_version(),
             Stream::GpsGlobalOrigin => telemetry::gps_global_origin(time, &origin),
-            Stream::HomePosition => Message::HOME_POSITION(HOME_POSITION_DATA {
-                latitude: (origin.latitude_deg * 1e7).round() as i32,
-                longitude: (origin.longitude_deg * 1e7).round() as i32,
-                altitude: (origin.altitude_amsl_m * 1e3).round() as i32,
-                q: [1.0, 0.0, 0.0, 0.0],
-                time_usec: u64::try_from(time.as_micros()).unwrap_or(u64::MAX),
-                ..HOME_POSITION_DATA::DEFAULT
-            }),
+            Stream::HomePosition => self.home_position(),
+        }
+    }
+
+    fn home_position(&self) -> Message {
+        let home = self.flight.home();
+        let place = self.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
+        Message::HOME_POSITION(HOME_POSITION_DATA {
+            latitude: (place.latitude_deg * 1e7).round() as i32,
+            longitude: (place.longitude_deg * 1e7).round() as i32,
+            altitude: (place.altitude_amsl_m * 1e3).round() as i32,
+            x: home.x_m as f32,
+            y: home.y_m as f32,
+            // Down; zero must not become minus zero.
+            z: (0.0 - home.altitude_m) as f32,
+            q: [1.0, 0.0, 0.0, 0.0],
+            time_usec: u64::try_from(self.time.as_micros()).unwrap_or(u64::MAX),
+            ..HOME_POSITION_DATA::DEFAULT
+        })
+    }
+
+    fn landed_state(&self) -> MavLandedState {
+        if !self.flight.is_flying() {
+            MavLandedState::MAV_LANDED_STATE_ON_GROUND
+        } else if self.flight.is_taking_off() {
+            MavLandedState::MAV_LANDED_STATE_TAKEOFF
+        } else if self.flight.is_landing() {
+            MavLandedState::MAV_LANDED_STATE_LANDING
+        } else {
+            MavLandedState::MAV_LANDED_STATE_IN_AIR
         }
     }
 
@@ -99,14 +126,15 @@ impl Instruments<'_> {
     fn status(&self) -> MavState {
         if self.failsafe {
             MavState::MAV_STATE_CRITICAL
-        } else if self.flight.is_armed() {
+        } else if self.flight.is_flying() {
             MavState::MAV_STATE_ACTIVE
         } else {
             MavState::MAV_STATE_STANDBY
         }
     }
 
-    /// Every sensor that a client may wait for is there and healthy, the pre-arm check among them.
+    /// Every sensor that a client may wait for is there and healthy; so is the pre-arm check, unless something stands
+    /// against arming.
     fn sys_status(&self) -> Message {
         let sensors = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO
             | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL
@@ -116,11 +144,13 @@ impl Instruments<'_> {
             | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS
             | MavSysStatusSensor::MAV_SYS_STATUS_AHRS
             | MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
+        // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
+        let mut healthy = sensors | MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+        healthy.set(MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK, self.is_armable);
         Message::SYS_STATUS(SYS_STATUS_DATA {
             onboard_control_sensors_present: sensors,
             onboard_control_sensors_enabled: sensors,
-            // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
-            onboard_control_sensors_health: sensors | MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE,
+            onboard_control_sensors_health: healthy,
             // No battery is simulated: the values that mean "not known".
             voltage_battery: u16::MAX,
             current_battery: -1,
@@ -164,17 +194,16 @@ fn unknown_battery() -> Message {
     })
 }
 
-/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE.
+/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE, 193 in MANUAL.
 fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
-    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
-        | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED
-        | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED;
-    if mode != Mode::Cruise {
+    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED;
+    if mode != Mode::Manual {
+        flags |= MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
+    }
+    if !matches!(mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise) {
         flags |= MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED;
     }
-    if armed {
-        flags |= MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED;
-    }
+    flags.set(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, armed);
     flags
 }
 
@@ -193,6 +222,7 @@ mod tests {
             flight,
             frame: &VehicleSettings::default().frame,
             failsafe: false,
+            is_armable: true,
             clock_epoch_us: 7,
         };
         instruments.message(stream)
@@ -212,13 +242,16 @@ mod tests {
         assert_eq!(base_mode(Mode::Guided, true).bits(), 217);
         assert_eq!(base_mode(Mode::Cruise, true).bits(), 209);
         assert_eq!(base_mode(Mode::Guided, false).bits(), 89);
+        assert_eq!(base_mode(Mode::Manual, true).bits(), 193);
     }
 
     #[test]
     fn a_coordinated_turn_banks() {
         let mut flight = Flight::new(&VehicleSettings::default());
         flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
-        (0..50).for_each(|_| flight.step());
+        for _ in 0..50 {
+            flight.step();
+        }
         let Message::ATTITUDE(attitude) = message(&flight, Stream::Attitude) else { panic!() };
         assert!((attitude.roll - std::f32::consts::FRAC_PI_4).abs() < 1e-5);
         assert!((attitude.yawspeed - 1.0).abs() < 1e-5);

@@ -64,6 +64,10 @@ pub struct Vehicle {
     pub(crate) upload: Option<Upload>,
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
+    /// Vehicle time at which it last flew.
+    pub(crate) flown_at: Duration,
+    /// Whether somebody has set home: then arming leaves it.
+    pub(crate) home_is_set: bool,
     pub(crate) counters: VehicleCounters,
     wire: Counters,
 }
@@ -110,6 +114,8 @@ impl Vehicle {
             progress: Progress::default(),
             upload: None,
             quiet_until: Duration::ZERO,
+            flown_at: Duration::ZERO,
+            home_is_set: false,
             counters: VehicleCounters::default(),
             wire: Counters::default(),
             settings,
@@ -187,7 +193,7 @@ impl Vehicle {
         let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
         self.links.begin_batch(None);
         self.integrate(tick_end.saturating_sub(self.settings.step), track);
-        self.flight.step();
+        self.step_flight();
         self.time = tick_end;
         track.push(*self.flight.state());
         self.check_failsafes();
@@ -246,7 +252,7 @@ impl Vehicle {
         self.flight.mode()
     }
 
-    /// Whether it is armed, and so flies.
+    /// Whether it is armed.
     pub fn is_armed(&self) -> bool {
         self.flight.is_armed()
     }
@@ -285,7 +291,7 @@ impl Vehicle {
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
         let step = self.settings.step;
         while self.time + step <= until {
-            self.flight.step();
+            self.step_flight();
             self.time += step;
             track.push(*self.flight.state());
             self.check_failsafes();
@@ -299,6 +305,9 @@ impl Vehicle {
     pub(crate) fn set_mode(&mut self, mode: Mode) {
         if mode == Mode::Auto && self.mode() != Mode::Auto {
             self.begin_mission();
+        }
+        if mode == Mode::Rtl && self.mode() != Mode::Rtl {
+            self.progress.has_looked_for_landing = false;
         }
         self.flight.set_mode(mode);
         self.failsafes.setpoints_lost = false;
@@ -324,6 +333,10 @@ impl Vehicle {
         self.with_instruments(|links, instruments| links.send(link, &instruments.message(stream)));
     }
 
+    pub(crate) fn send_stream_to_all(&mut self, stream: Stream) {
+        self.with_instruments(|links, instruments| links.send_all(&instruments.message(stream)));
+    }
+
     pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
         let text = text.get(..text.len().min(50)).unwrap_or_default();
         let text = STATUSTEXT_DATA { severity, text: text.into(), ..STATUSTEXT_DATA::DEFAULT };
@@ -331,6 +344,7 @@ impl Vehicle {
     }
 
     fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
+        let is_armable = self.against_arming().is_none();
         let instruments = Instruments {
             time: self.time,
             system_id: self.settings.system_id,
@@ -339,6 +353,7 @@ impl Vehicle {
             mission: &self.mission,
             progress: &self.progress,
             failsafe: self.failsafes.setpoints_lost || self.failsafes.ground_lost,
+            is_armable,
             clock_epoch_us: self.settings.clock_epoch_us,
         };
         send(&mut self.links, &instruments);

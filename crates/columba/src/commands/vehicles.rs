@@ -19,6 +19,7 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
         ground_port: args.ground_port,
         loss: args.loss,
         count: args.count,
+        on_ground: args.on_ground,
         ..Overrides::default()
     };
     let scenario = config::load(args.config.as_deref(), &overrides)?;

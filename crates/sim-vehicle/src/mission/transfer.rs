@@ -219,7 +219,8 @@ impl Vehicle {
             return;
         };
         if seq == 0 {
-            let home = self.settings.frame.origin();
+            let home = self.flight.home();
+            let home = self.settings.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
             item = PlanItem {
                 latitude_e7: (home.latitude_deg * 1e7).round() as i32,
                 longitude_e7: (home.longitude_deg * 1e7).round() as i32,
