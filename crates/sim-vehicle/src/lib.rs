@@ -28,9 +28,10 @@ mod vehicle;
 
 pub use counters::VehicleCounters;
 pub use host::{Host, HostReport, HostSettings};
-pub use hosting::{Advance, Clock, HostError, Observer};
+pub use hosting::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer, port_index};
 pub use mode::{Mode, NoSuchMode};
 pub use parameters::file::ParameterFileError;
+pub use parameters::{ParameterFault, check_parameters};
 pub use plans::{PlanFileError, Plans};
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
 pub use vehicle::{PeerId, SetpointRefused, Transmit, Vehicle};

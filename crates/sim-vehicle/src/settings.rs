@@ -34,7 +34,9 @@ pub struct VehicleSettings {
     pub clock_epoch_us: u64,
     /// Where telemetry goes unasked.
     pub ground: Option<SocketAddr>,
-    /// Parameters that were set before, by name, in order.
+    /// Parameters in place of the vehicle's own defaults, by name, in order.
+    pub default_parameters: Vec<(String, f32)>,
+    /// Parameters that were set before, by name, in order; they go before those above.
     pub parameters: Vec<(String, f32)>,
     /// The plans that were on board before.
     pub plans: Plans,
@@ -124,6 +126,7 @@ impl Default for VehicleSettings {
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+            default_parameters: Vec::new(),
             parameters: Vec::new(),
             plans: Plans::default(),
         }

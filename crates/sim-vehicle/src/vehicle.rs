@@ -123,16 +123,25 @@ impl Vehicle {
             wire: Counters::default(),
             settings,
         };
-        for (name, value) in std::mem::take(&mut vehicle.settings.parameters) {
-            let known = Parameter::from_name(&name).ok_or(SettingsError::NoSuchParameter(name))?;
-            vehicle.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
-        }
+        let defaults = std::mem::take(&mut vehicle.settings.default_parameters);
+        let kept = std::mem::take(&mut vehicle.settings.parameters);
+        vehicle.take_parameters(defaults)?;
+        vehicle.parameters.make_defaults();
+        vehicle.take_parameters(kept)?;
         let plans = std::mem::take(&mut vehicle.settings.plans);
         vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
+    }
+
+    fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
+        for (name, value) in values {
+            let known = Parameter::from_name(&name).ok_or(SettingsError::NoSuchParameter(name))?;
+            self.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
+        }
+        Ok(())
     }
 
     /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
