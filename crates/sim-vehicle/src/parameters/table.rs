@@ -98,6 +98,8 @@ parameters! {
     // ArduPlane's default climbs to 100 m; ours stays where it is.
     RtlAltitude: "RTL_ALTITUDE", REAL, |_| -1.0, |_| (-1.0, 10_000.0), Effect::Tuning;
     TakeoffAltitude: "TKOFF_ALT", REAL, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
+    RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
+    DisarmDelay: "LAND_DISARMDELAY", INT8, |_| 20.0, |_| (0.0, 127.0), Effect::LookedUp;
 
     // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;
@@ -152,6 +154,7 @@ parameters! {
     FenceReturnAltitude: "FENCE_RET_ALT", INT16, |_| 0.0, |_| (0.0, f32::from(i16::MAX)), Effect::LookedUp;
     FenceAutoEnable: "FENCE_AUTOENABLE", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::Fence;
     FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 3.0), Effect::LookedUp;
+    MissionTotal: "MIS_TOTAL", INT16, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyLimit: "RALLY_LIMIT_KM", REAL, |_| 5.0, |_| (0.0, 1000.0), Effect::LookedUp;
     RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
