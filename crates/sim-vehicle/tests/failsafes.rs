@@ -90,3 +90,36 @@ fn a_gps_lost_and_found_is_said_and_the_mode_stays() {
     assert_eq!(words(&mut client, 1.0), ["GPS 1: fix again, Dead Reckoning stopped"]);
     assert!(!client.vehicle.is_in_failsafe());
 }
+
+#[test]
+fn without_its_engine_it_glides_and_with_it_goes_on() {
+    let mut client = client(&[("SIM_ENGINE_MUL", 0.1)]);
+    set(&mut client, "SIM_ENGINE_FAIL", 4.0);
+    assert_eq!(words(&mut client, 10.0), ["Engine failed, gliding"]);
+    assert!(client.vehicle.is_in_failsafe());
+    let low_m = client.vehicle.state().altitude_m;
+    assert!(low_m < 48.0, "{low_m}");
+    // A third of the power is more than 10 m/s need.
+    set(&mut client, "SIM_ENGINE_MUL", 0.33);
+    assert_eq!(words(&mut client, 20.0), ["Engine runs again"]);
+    assert!((client.vehicle.state().altitude_m - 50.0).abs() < 0.5);
+    assert!(!client.vehicle.is_in_failsafe());
+}
+
+#[test]
+fn a_gps_and_a_battery_stand_against_arming() {
+    for (name, value, reason) in [
+        ("SIM_GPS_FAIL", 1.0, "Arm: GPS 1: Bad fix"),
+        ("BATT_LOW_VOLT", 13.0, "Arm: Battery 1 low voltage failsafe"),
+        ("BATT_CRT_MAH", 3500.0, "Arm: Battery 1 critical capacity failsafe"),
+    ] {
+        let parameters = vec![(name.to_owned(), value)];
+        let mut client = Client::new(VehicleSettings { parameters, armed: false, ..quiet() });
+        client.ask(&Message::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
+        let said = client.ask(&common::long(common::TARGET, MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]));
+        assert_eq!(texts(&said), [reason]);
+        assert!(!client.vehicle.is_armed());
+        client.command_long(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 21196.0, 0.0]);
+        assert!(client.vehicle.is_armed());
+    }
+}
