@@ -25,6 +25,7 @@
 //! assert_eq!(counters.frames, 1);
 //! ```
 
+pub mod ardupilot;
 pub mod command;
 pub mod counters;
 pub mod datagram;
@@ -40,6 +41,7 @@ pub mod telemetry;
 pub mod tlog;
 pub mod udp;
 
+pub use ardupilot::{ArduPilotMessage, ekf_status_report, wind};
 pub use command::{CommandKind, RawCommand, raw_command};
 pub use counters::{Counters, SequenceTracker};
 pub use datagram::{Frames, frames, messages};
@@ -49,7 +51,7 @@ pub use fleet::{Craft, Fleet, Identity, News, Position};
 pub use frame::{Frame, FrameError, Header, Version};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
 pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_request, parameter_value};
-pub use plan::{ItemKind, PlanItem, PlanMessage, plan_message};
+pub use plan::{ItemKind, PlanItem, PlanItemMessage, PlanMessage, plan_message};
 pub use setpoint::{
     PartialSetpoint, SetpointRefusal, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
 };

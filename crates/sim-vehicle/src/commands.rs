@@ -1,8 +1,7 @@
 //! What COMMAND_LONG and COMMAND_INT make the vehicle do, accepted and refused as ArduPlane does.
 //!
 //! Where it differs: param 3 of GUIDED_CHANGE_ALTITUDE is the rate of climb that it is documented to be (broken in
-//! ArduPlane since 4.6); terrain is as high as home; the air is still, so that a heading is a course and an airspeed a
-//! ground speed; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; of the params that a command reads, one that is
+//! ArduPlane since 4.6); terrain is as high as home; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; of the params that a command reads, one that is
 //! not a finite number is DENIED; and a vehicle in flight cannot be disarmed, not even by force.
 
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
@@ -113,6 +112,11 @@ fn limit_or_none(limit: f32) -> f64 {
     if limit == 0.0 { f64::INFINITY } else { f64::from(limit.abs()) }
 }
 
+/// A direction in degrees, in rad.
+fn angle_rad(degrees: f32) -> f64 {
+    flight_model::wrap_pi(f64::from(degrees).to_radians())
+}
+
 fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
     if values.iter().all(|value| value.is_finite()) {
         Ok(())
@@ -128,16 +132,11 @@ impl Vehicle {
         match command.command {
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm(p1),
             MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
-            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => {
-                self.set_mode(Mode::Loiter);
-                Ok(())
-            }
-            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => {
-                self.set_mode(Mode::Rtl);
-                Ok(())
-            }
+            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.enter(Mode::Loiter),
+            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.enter(Mode::Rtl),
             MavCmd::MAV_CMD_MISSION_START => self.start_mission([p1, p2]),
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
+            MavCmd::MAV_CMD_DO_FENCE_ENABLE => self.enable_fence([p1, p2]),
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: it starts in the air")),
             MavCmd::MAV_CMD_DO_REPOSITION => self.reposition(command),
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
@@ -161,7 +160,11 @@ impl Vehicle {
     fn arm_or_disarm(&mut self, p1: f32) -> Result<(), Refusal> {
         if p1 == 1.0 {
             if !self.flight.is_armed() {
+                if let Some(reason) = self.fence_forbids_arming() {
+                    return Err(Refusal::failed(format!("Arm: {reason}")));
+                }
                 self.flight.arm();
+                self.arming_changes_fence();
                 self.restart_setpoint_timeout();
             }
             Ok(())
@@ -188,6 +191,9 @@ impl Vehicle {
     fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
         if mode == Mode::Auto && !self.mission.is_flyable() {
             return Err(Refusal::failed("Auto: no mission"));
+        }
+        if let Some(reason) = self.fence_forbids(mode) {
+            return Err(Refusal::failed(reason));
         }
         self.set_mode(mode);
         Ok(())
@@ -277,10 +283,8 @@ impl Vehicle {
             return Err(Refusal::denied(format!("Heading {course_deg} is outside [0, 360)")));
         }
         match integer(kind) {
-            0 | 1 => {
-                let course_rad = flight_model::wrap_pi(f64::from(course_deg).to_radians());
-                self.flight.set_course(course_rad, f64::from(lateral_mps2).max(0.05));
-            }
+            0 => self.flight.set_course(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
+            1 => self.flight.set_heading(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
             2 => self.flight.release_course(),
             other => return Err(Refusal::denied(format!("Heading: type {other} is not accepted"))),
         }

@@ -1,6 +1,6 @@
 //! What a vehicle is told before it flies.
 
-use crate::Mode;
+use crate::{Mode, Plans};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -38,6 +38,12 @@ pub struct VehicleSettings {
     pub default_parameters: Vec<(String, f32)>,
     /// Parameters that were set before, by name, in order; they go before those above.
     pub parameters: Vec<(String, f32)>,
+    /// Seed of all noise, as the scenario has it.
+    pub seed: u64,
+    /// The vehicle's number among those of one seed: each has its own noise.
+    pub number: u64,
+    /// The plans that were on board before.
+    pub plans: Plans,
 }
 
 /// Telemetry rates, Hz; 0 is off.
@@ -45,9 +51,11 @@ pub struct VehicleSettings {
 pub struct TelemetryRates {
     /// HEARTBEAT.
     pub heartbeat_hz: f64,
-    /// SYS_STATUS.
+    /// RAW_IMU and SCALED_PRESSURE.
+    pub raw_sensors_hz: f64,
+    /// SYS_STATUS, GPS_RAW_INT and MISSION_CURRENT.
     pub sys_status_hz: f64,
-    /// SYSTEM_TIME.
+    /// SYSTEM_TIME, WIND, BATTERY_STATUS and EKF_STATUS_REPORT.
     pub system_time_hz: f64,
     /// ATTITUDE.
     pub attitude_hz: f64,
@@ -89,6 +97,9 @@ pub enum SettingsError {
     /// A parameter that the vehicle does not have.
     #[error("no parameter {0}")]
     NoSuchParameter(String),
+    /// A plan that the vehicle refuses; the message says which item and why.
+    #[error("{0}")]
+    Plan(String),
     /// A parameter with a value that it refuses; the message says which and why.
     #[error("{0}")]
     Parameter(String),
@@ -123,6 +134,9 @@ impl Default for VehicleSettings {
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
             default_parameters: Vec::new(),
             parameters: Vec::new(),
+            seed: 0,
+            number: 0,
+            plans: Plans::default(),
         }
     }
 }
@@ -131,6 +145,7 @@ impl Default for TelemetryRates {
     fn default() -> Self {
         Self {
             heartbeat_hz: 1.0,
+            raw_sensors_hz: 1.0,
             sys_status_hz: 1.0,
             system_time_hz: 1.0,
             attitude_hz: 10.0,
@@ -145,6 +160,7 @@ impl TelemetryRates {
     /// Nothing unasked.
     pub const OFF: Self = Self {
         heartbeat_hz: 0.0,
+        raw_sensors_hz: 0.0,
         sys_status_hz: 0.0,
         system_time_hz: 0.0,
         attitude_hz: 0.0,
@@ -183,6 +199,7 @@ impl VehicleSettings {
         let fastest_hz = self.fastest_hz();
         for (name, rate_hz) in [
             ("heartbeat_hz", rates.heartbeat_hz),
+            ("raw_sensors_hz", rates.raw_sensors_hz),
             ("sys_status_hz", rates.sys_status_hz),
             ("system_time_hz", rates.system_time_hz),
             ("attitude_hz", rates.attitude_hz),

@@ -1,11 +1,15 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
 use crate::failsafe::Failsafes;
+use crate::fence::Fence;
 use crate::flight::Flight;
+use crate::life::Life;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
-use crate::mission::{Mission, Progress, Upload};
+use crate::mission::{Mission, Progress};
 use crate::parameters::{Listings, Pace, Parameter, Parameters};
+use crate::plans::{PlanKind, Uploads};
+use crate::rally::Rally;
 use crate::services::target_system;
 use crate::streams::Stream;
 use crate::telemetry::Instruments;
@@ -55,13 +59,17 @@ pub struct Vehicle {
     pub(crate) lockstep: Option<Lockstep>,
     pub(crate) host_now: Duration,
     pub(crate) failsafes: Failsafes,
+    pub(crate) life: Life,
     pub(crate) parameters: Parameters,
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
     pub(crate) pace: Arc<Pace>,
     pub(crate) mission: Mission,
     pub(crate) progress: Progress,
-    pub(crate) upload: Option<Upload>,
+    pub(crate) fence: Fence,
+    pub(crate) rally: Rally,
+    pub(crate) uploads: Uploads,
+    pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     pub(crate) counters: VehicleCounters,
@@ -95,20 +103,25 @@ impl Vehicle {
     }
 
     fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        let parameters = Parameters::new(&settings);
         let mut vehicle = Self {
+            life: Life::new(&settings, &parameters),
             flight: Flight::new(&settings),
             links: Links::new(&settings),
             time: Duration::ZERO,
             lockstep,
             host_now: Duration::ZERO,
             failsafes: Failsafes::new(),
-            parameters: Parameters::new(&settings),
+            parameters,
             parameters_changed: false,
             listings: Listings::default(),
             pace: Arc::default(),
             mission: Mission::default(),
             progress: Progress::default(),
-            upload: None,
+            fence: Fence::default(),
+            rally: Rally::default(),
+            uploads: Uploads::default(),
+            plans_changed: Default::default(),
             quiet_until: Duration::ZERO,
             counters: VehicleCounters::default(),
             wire: Counters::default(),
@@ -119,6 +132,8 @@ impl Vehicle {
         vehicle.take_parameters(defaults)?;
         vehicle.parameters.make_defaults();
         vehicle.take_parameters(kept)?;
+        let plans = std::mem::take(&mut vehicle.settings.plans);
+        vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
@@ -178,7 +193,7 @@ impl Vehicle {
         if !setpoint.is_finite() {
             return Err(SetpointRefusal::NotFinite.into());
         }
-        self.flight.set_speed(setpoint.speed_mps, f64::INFINITY);
+        self.flight.set_ground_speed(setpoint.speed_mps);
         self.flight.set_course(setpoint.course_rad, f64::INFINITY);
         self.flight.set_altitude(setpoint.altitude_m, f64::INFINITY);
         self.restart_setpoint_timeout();
@@ -196,10 +211,12 @@ impl Vehicle {
         let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
         self.links.begin_batch(None);
         self.integrate(tick_end.saturating_sub(self.settings.step), track);
+        self.live();
         self.flight.step();
         self.time = tick_end;
         track.push(*self.flight.state());
         self.check_failsafes();
+        self.check_fence();
         self.follow_mission();
         self.with_instruments(Links::send_due_and_position);
         self.links.end_batch();
@@ -220,7 +237,7 @@ impl Vehicle {
             return None;
         }
         let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
-        [resend_at, self.listings.next_due(), self.upload_due()].into_iter().flatten().min()
+        [resend_at, self.listings.next_due(), self.uploads.due()].into_iter().flatten().min()
     }
 
     /// Tells the vehicle the host time: it forgets silent peers, goes on with lists and uploads, and in lockstep asks
@@ -232,7 +249,7 @@ impl Vehicle {
             self.counters.resends += 1;
         }
         self.send_listings();
-        self.check_upload();
+        self.check_uploads();
     }
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
@@ -260,10 +277,10 @@ impl Vehicle {
         self.flight.is_armed()
     }
 
-    /// Whether the lack of setpoints took it out of GUIDED and nobody has set a mode since, or its ground station is
-    /// missing.
+    /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
+    /// station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafes.setpoints_lost || self.failsafes.ground_lost
+        self.failsafes.is_any()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
@@ -294,10 +311,12 @@ impl Vehicle {
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
         let step = self.settings.step;
         while self.time + step <= until {
+            self.live();
             self.flight.step();
             self.time += step;
             track.push(*self.flight.state());
             self.check_failsafes();
+            self.check_fence();
             self.follow_mission();
             if self.time >= self.links.next_due() {
                 self.with_instruments(Links::send_due);
@@ -309,7 +328,15 @@ impl Vehicle {
         if mode == Mode::Auto && self.mode() != Mode::Auto {
             self.begin_mission();
         }
+        let is_new = mode != self.mode();
+        if mode == Mode::Rtl && is_new {
+            let rally = self.best_rally();
+            self.flight.set_rally(rally);
+        }
         self.flight.set_mode(mode);
+        if is_new {
+            self.mode_changes_fence();
+        }
         self.failsafes.setpoints_lost = false;
         self.restart_setpoint_timeout();
     }
@@ -330,7 +357,7 @@ impl Vehicle {
     }
 
     pub(crate) fn send_stream(&mut self, link: usize, stream: Stream) {
-        self.with_instruments(|links, instruments| links.send(link, &instruments.message(stream)));
+        self.with_instruments(|links, instruments| links.send_stream(link, stream, instruments));
     }
 
     pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
@@ -347,7 +374,11 @@ impl Vehicle {
             frame: &self.settings.frame,
             mission: &self.mission,
             progress: &self.progress,
-            failsafe: self.failsafes.setpoints_lost || self.failsafes.ground_lost,
+            failsafe: self.failsafes.is_any(),
+            life: &self.life,
+            parameters: &self.parameters,
+            battery_level: self.failsafes.battery.level(),
+            fence: self.fence.report(&self.parameters),
             clock_epoch_us: self.settings.clock_epoch_us,
         };
         send(&mut self.links, &instruments);

@@ -24,11 +24,11 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     let impairment = scenario.link.impairment;
     let link =
         LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
-    if let Some(folder) = &args.params_folder {
+    if let Some(folder) = &args.state_folder {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let settings = HostSettings {
-        parameters_folder: args.params_folder.clone(),
+        parameters_folder: args.state_folder.clone(),
         ..flying::host_settings(&scenario, clock, base_port, link)
     };
     let mut vehicles = flying::vehicle_settings(&scenario, None, epoch_us);

@@ -34,6 +34,8 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
     let parameters: Vec<(String, f32)> =
         scenario.parameters.iter().map(|(name, value)| (name.clone(), *value)).collect();
     let vehicle = |(index, start): (usize, &flight_model::State)| VehicleSettings {
+        seed: scenario.seed,
+        number: index as u64,
         system_id: system_id(index),
         dynamics: scenario.dynamics,
         step: scenario.integration_step,
@@ -48,6 +50,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
             global_position_int_hz: autopilot.global_position_int_hz,
             vfr_hud_hz: autopilot.vfr_hud_hz,
             local_position_ned_hz: autopilot.local_position_ned_hz,
+            ..TelemetryRates::default()
         },
         setpoint_timeout_s: autopilot.setpoint_timeout_s,
         loiter_radius_m: autopilot.loiter_radius_m,

@@ -1,13 +1,16 @@
 //! How the vehicle flies: its modes and what feeds the three autopilot loops. Knows no MAVLink.
 
+mod air;
 mod circle;
 mod guidance;
 mod ramp;
 mod tuning;
 
+pub(crate) use guidance::RallyPlace;
 pub(crate) use tuning::{TAKEOFF_ALTITUDE_M, TAKEOFF_TOLERANCE_M, Tuning};
 
 use crate::{Mode, VehicleSettings};
+use air::Air;
 use flight_model::{Autopilot, Dynamics, Setpoint, State, wrap_pi};
 use guidance::Direction;
 use ramp::Ramp;
@@ -22,12 +25,15 @@ pub(crate) struct Flight {
     tuning: Tuning,
     start: State,
     state: State,
-    previous_course_rad: f64,
+    air: Air,
     mode: Mode,
     armed: bool,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: (f64, f64),
+    rally: Option<RallyPlace>,
+    /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
+    speed_is_over_ground: bool,
     altitude: Ramp,
     direction: Direction,
 }
@@ -49,11 +55,13 @@ impl Flight {
             lateral_limit_mps2: f64::INFINITY,
             start,
             state: State { speed_mps: 0.0, climb_mps: 0.0, ..start },
-            previous_course_rad: start.course_rad,
+            air: Air::at(&start),
             mode: settings.mode,
             armed: false,
             guided_point: (start.x_m, start.y_m),
+            rally: None,
             speed: Ramp::at(start.speed_mps),
+            speed_is_over_ground: false,
             altitude: Ramp::at(start.altitude_m),
             direction: Direction::Course(start.course_rad),
         };
@@ -80,11 +88,6 @@ impl Flight {
         &self.dynamics.limits
     }
 
-    /// Rate of turn over the last step, rad/s.
-    pub fn course_rate_radps(&self) -> f64 {
-        wrap_pi(self.state.course_rad - self.previous_course_rad) / self.autopilot.step_s()
-    }
-
     /// The setpoint that the next step starts from, as far as it is known before it.
     pub fn speed_target_mps(&self) -> f64 {
         self.speed.target
@@ -100,8 +103,7 @@ impl Flight {
         }
         let course_rad = self.guide_rad();
         let setpoint = Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
-        self.previous_course_rad = self.state.course_rad;
-        self.state = self.autopilot.step(&self.state, &setpoint);
+        self.fly(&setpoint);
     }
 
     /// Leaves the rail with the start's speed and course.
@@ -120,9 +122,10 @@ impl Flight {
         }
     }
 
-    /// Speed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
+    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
     pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
-        let value = if acceleration_mps2.is_finite() { self.when_released().speed_mps } else { speed_mps };
+        let value = if acceleration_mps2.is_finite() { self.airspeed_when_released_mps() } else { speed_mps };
+        self.speed_is_over_ground = false;
         self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
     }
 
@@ -168,7 +171,8 @@ impl Flight {
         if let Some(speed_mps) = self.tuning.cruise_speed_mps {
             self.set_speed(speed_mps, f64::INFINITY);
         }
-        if let Some(altitude_m) = self.tuning.rtl_altitude_m.filter(|_| self.mode == Mode::Rtl) {
+        let return_altitude_m = self.rally.map(|rally| rally.altitude_m).or(self.tuning.rtl_altitude_m);
+        if let Some(altitude_m) = return_altitude_m.filter(|_| self.mode == Mode::Rtl) {
             self.set_altitude(altitude_m, f64::INFINITY);
         }
     }
@@ -191,10 +195,15 @@ impl Flight {
         if self.armed { self.state } else { self.start }
     }
 
+    fn airspeed_when_released_mps(&self) -> f64 {
+        if self.armed { self.airspeed_mps() } else { self.start.speed_mps }
+    }
+
     /// Every mode begins by holding what the vehicle does.
     fn enter(&mut self, mode: Mode) {
         let now = self.when_released();
-        self.speed = Ramp::at(now.speed_mps);
+        self.speed = Ramp::at(self.airspeed_when_released_mps());
+        self.speed_is_over_ground = false;
         self.altitude = Ramp::at(now.altitude_m);
         self.set_course(now.course_rad, f64::INFINITY);
         let here = (now.x_m, now.y_m);
@@ -207,7 +216,7 @@ impl Flight {
             // The mission says where to; until then, as before.
             Mode::Auto => self.fly_by_itself(),
             Mode::Rtl => {
-                self.circle((0.0, 0.0), self.tuning.rtl_radius_m);
+                self.circle(self.rally.map_or(self.home(), |rally| rally.at), self.tuning.rtl_radius_m);
                 self.fly_by_itself();
             }
             Mode::Loiter => {

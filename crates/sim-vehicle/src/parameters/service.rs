@@ -97,6 +97,9 @@ impl Vehicle {
             }
             Effect::Rates(streams) => self.set_rates(streams, value),
             Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
+            Effect::RadioLoss => self.links.set_loss(f64::from(value) / 100.0),
+            Effect::Battery => self.life.battery.replace(),
+            Effect::Fence => self.reconfigure_fence(parameter),
             Effect::LookedUp | Effect::ReadOnly => {}
         }
         Ok(())
@@ -138,6 +141,8 @@ impl Vehicle {
     fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
         let value = match parameter {
             Parameter::RunTime => self.time.as_secs() as f32,
+            Parameter::FenceTotal => self.fence.total() as f32,
+            Parameter::RallyTotal => self.rally.items.len() as f32,
             other => self.parameters.get(other),
         };
         parameter_value(parameter.name(), parameter.kind(), value, Parameter::COUNT as u16, index)

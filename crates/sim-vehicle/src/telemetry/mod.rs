@@ -1,16 +1,21 @@
 //! What the vehicle says of itself.
 
+mod sensors;
+
 use crate::Mode;
+use crate::failsafe::BatteryLevel;
+use crate::fence::FenceReport;
 use crate::flight::Flight;
+use crate::life::{GpsSettings, Life, Readings, SensorSettings, tick};
 use crate::mission::{Mission, Progress};
+use crate::parameters::{Parameter, Parameters};
 use crate::streams::Stream;
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    BATTERY_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavBatteryFault, MavModeFlag,
-    MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
-    SYS_STATUS_DATA,
+    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavModeFlag, MavProtocolCapability,
+    MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
 };
-use mavlink_bridge::{local_position_ned, telemetry};
+use mavlink_bridge::{ArduPilotMessage, local_position_ned, telemetry};
 use std::time::Duration;
 
 /// Everything that the messages are made of, at one moment.
@@ -22,12 +27,21 @@ pub(crate) struct Instruments<'a> {
     pub progress: &'a Progress,
     pub frame: &'a LocalFrame,
     pub failsafe: bool,
+    pub life: &'a Life,
+    pub parameters: &'a Parameters,
+    pub battery_level: BatteryLevel,
+    pub fence: FenceReport,
     pub clock_epoch_us: u64,
 }
 
 impl Instruments<'_> {
+    /// Whether there is anything to say when a stream is due; asked for, it is said anyhow.
+    pub fn has(&self, stream: Stream) -> bool {
+        stream != Stream::FenceStatus || self.fence.is_enabled
+    }
+
     pub fn message(&self, stream: Stream) -> Message {
-        let (time, state) = (self.time, self.flight.state());
+        let (time, state) = (self.time, &self.flight.estimate());
         let origin = self.frame.origin();
         match stream {
             Stream::Heartbeat => telemetry::heartbeat(
@@ -42,22 +56,40 @@ impl Instruments<'_> {
                 telemetry::system_time(time, Duration::from_micros(self.clock_epoch_us).saturating_add(time))
             }
             Stream::Attitude => {
-                // A coordinated turn: the lift's horizontal part is the centripetal force.
-                let yaw_rate_radps = self.flight.course_rate_radps();
-                let gravity_mps2 = self.flight.limits().gravity_mps2;
-                let roll_rad = libm::atan(state.speed_mps * yaw_rate_radps / gravity_mps2);
-                telemetry::attitude(time, state, roll_rad, yaw_rate_radps)
+                let flight = self.flight;
+                telemetry::attitude(time, &flight.in_air(), flight.roll_rad(), flight.turn_rate_radps())
             }
             Stream::LocalPositionNed => local_position_ned(time, state),
-            Stream::GlobalPositionInt => telemetry::global_position_int(time, state, self.frame),
-            Stream::VfrHud => {
-                // There is no engine: throttle is the share of the top speed that is flown.
-                let throttle_percent = (100.0 * state.speed_mps / self.flight.limits().speed_max_mps).round() as u16;
-                telemetry::vfr_hud(state, origin.altitude_amsl_m + state.altitude_m, throttle_percent)
+            Stream::GlobalPositionInt => {
+                telemetry::global_position_int(time, state, self.flight.heading_rad(), self.frame)
             }
-            Stream::GpsRawInt => telemetry::gps_raw_int(time, state, self.frame),
+            Stream::VfrHud => {
+                // Throttle is the share of the top speed that is flown.
+                let top_mps = self.flight.limits().speed_max_mps;
+                let throttle_percent = (100.0 * self.flight.airspeed_mps() / top_mps).round() as u16;
+                let airspeed_mps = self.readings().airspeed_mps;
+                let altitude_m = origin.altitude_amsl_m + state.altitude_m;
+                telemetry::vfr_hud(state, airspeed_mps, self.flight.heading_rad(), altitude_m, throttle_percent)
+            }
+            Stream::GpsRawInt => {
+                let settings = GpsSettings::of(self.parameters);
+                let measured = self.life.gps.measure(&settings, self.flight.state(), &self.life.noise, tick(time));
+                telemetry::gps_raw_int(time, &measured, self.frame, settings.has_fix(), settings.satellites())
+            }
+            Stream::RawImu => sensors::raw_imu(time, &self.readings(), self.gravity_mps2()),
+            Stream::ScaledImu => sensors::scaled_imu(time, &self.readings(), self.gravity_mps2()),
+            Stream::ScaledPressure => sensors::scaled_pressure(time, &self.readings()),
+            Stream::HighresImu => sensors::highres_imu(time, &self.readings()),
+            // Of ArduPilot's own dialect: see ardupilot_message.
+            Stream::Wind | Stream::WindCov | Stream::EkfStatusReport => telemetry::wind_cov(
+                time,
+                &self.life.weather.estimate(),
+                f64::from(self.parameters.get(Parameter::WindGusts)),
+                origin.altitude_amsl_m + state.altitude_m,
+            ),
             Stream::MissionCurrent => self.mission_current(),
-            Stream::BatteryStatus => unknown_battery(),
+            Stream::BatteryStatus => self.battery_status(),
+            Stream::FenceStatus => self.fence_status(),
             Stream::ExtendedSysState => telemetry::extended_sys_state(self.flight.is_armed()),
             Stream::AutopilotVersion => {
                 telemetry::autopilot_version(ARDUPLANE_VERSION, capabilities(), u64::from(self.system_id))
@@ -73,6 +105,41 @@ impl Instruments<'_> {
                 ..HOME_POSITION_DATA::DEFAULT
             }),
         }
+    }
+
+    /// What a stream says in a message of ArduPilot's own dialect; none if it is of the common one.
+    pub fn ardupilot_message(&self, stream: Stream) -> Option<ArduPilotMessage> {
+        match stream {
+            Stream::Wind => Some(mavlink_bridge::wind(&self.life.weather.estimate())),
+            Stream::EkfStatusReport => Some(mavlink_bridge::ekf_status_report(self.estimator_flags())),
+            _ => None,
+        }
+    }
+
+    /// EKF_STATUS_FLAGS: ArduPlane's 831 with a GPS. Reckoning on without one, the place is not absolute any more.
+    fn estimator_flags(&self) -> u16 {
+        const ALL: u16 = 831;
+        const ABSOLUTE_PLACE: u16 = 16 + 512;
+        if self.has_fix() { ALL } else { ALL & !ABSOLUTE_PLACE }
+    }
+
+    fn has_fix(&self) -> bool {
+        GpsSettings::of(self.parameters).has_fix()
+    }
+
+    fn gravity_mps2(&self) -> f64 {
+        self.flight.limits().gravity_mps2
+    }
+
+    fn readings(&self) -> Readings {
+        Readings::take(
+            self.flight,
+            &SensorSettings::of(self.parameters),
+            &self.life.noise,
+            tick(self.time),
+            self.life.barometer_drift_m,
+            self.frame.origin().altitude_amsl_m,
+        )
     }
 
     fn mission_current(&self) -> Message {
@@ -96,6 +163,17 @@ impl Instruments<'_> {
         })
     }
 
+    fn fence_status(&self) -> Message {
+        let fence = &self.fence;
+        Message::FENCE_STATUS(FENCE_STATUS_DATA {
+            breach_time: mavlink_bridge::boot_ms(fence.breached_at),
+            breach_count: fence.breaches,
+            breach_status: u8::from(fence.breached != 0),
+            breach_type: fence.breach_type(),
+            ..FENCE_STATUS_DATA::DEFAULT
+        })
+    }
+
     fn status(&self) -> MavState {
         if self.failsafe {
             MavState::MAV_STATE_CRITICAL
@@ -116,21 +194,41 @@ impl Instruments<'_> {
             | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS
             | MavSysStatusSensor::MAV_SYS_STATUS_AHRS
             | MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
+        let battery = sensors::Charge::of(&self.life.battery, self.parameters);
+        let mut sensors = sensors;
+        sensors.set(MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, battery.is_some());
+        // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
+        let fence = |holds: bool| {
+            let bit = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+            if holds { bit } else { MavSysStatusSensor::empty() }
+        };
+        let mut health = sensors | fence(self.fence.breached == 0);
+        let pitot_is_whole = self.parameters.get(Parameter::PitotFail) == 0.0;
+        for (sensor, is_well) in [
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS, self.has_fix()),
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE, pitot_is_whole),
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, self.battery_level == BatteryLevel::Ok),
+        ] {
+            health &= if is_well { health } else { !sensor };
+        }
         Message::SYS_STATUS(SYS_STATUS_DATA {
-            onboard_control_sensors_present: sensors,
-            onboard_control_sensors_enabled: sensors,
-            // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
-            onboard_control_sensors_health: sensors | MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE,
-            // No battery is simulated: the values that mean "not known".
-            voltage_battery: u16::MAX,
-            current_battery: -1,
-            battery_remaining: -1,
+            onboard_control_sensors_present: sensors | fence(self.fence.is_present),
+            onboard_control_sensors_enabled: sensors | fence(self.fence.is_active),
+            onboard_control_sensors_health: health,
+            // The values that mean "not known", without a monitor.
+            voltage_battery: battery.map_or(u16::MAX, |battery| battery.millivolts()),
+            current_battery: battery.map_or(-1, |battery| battery.centiamperes()),
+            battery_remaining: battery.map_or(-1, |battery| battery.percent()),
             // The default of a bitmask is its first flag, not none.
             onboard_control_sensors_present_extended: MavSysStatusSensorExtended::empty(),
             onboard_control_sensors_enabled_extended: MavSysStatusSensorExtended::empty(),
             onboard_control_sensors_health_extended: MavSysStatusSensorExtended::empty(),
             ..SYS_STATUS_DATA::DEFAULT
         })
+    }
+
+    fn battery_status(&self) -> Message {
+        sensors::battery_status(sensors::Charge::of(&self.life.battery, self.parameters), self.battery_level)
     }
 }
 
@@ -145,23 +243,10 @@ fn capabilities() -> MavProtocolCapability {
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
-}
-
-/// No battery is simulated: the values that mean "not known".
-fn unknown_battery() -> Message {
-    Message::BATTERY_STATUS(BATTERY_STATUS_DATA {
-        current_consumed: -1,
-        energy_consumed: -1,
-        temperature: i16::MAX,
-        voltages: [u16::MAX; 10],
-        current_battery: -1,
-        battery_remaining: -1,
-        // The default of a bitmask is its first flag, not none.
-        fault_bitmask: MavBatteryFault::empty(),
-        ..BATTERY_STATUS_DATA::DEFAULT
-    })
 }
 
 /// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE.
@@ -184,25 +269,36 @@ mod tests {
     use crate::VehicleSettings;
     use mavlink_bridge::dialect::DialectMessage;
 
-    fn message(flight: &Flight, stream: Stream) -> Message {
+    fn look<T>(flight: &Flight, at: impl FnOnce(&Instruments<'_>) -> T) -> T {
+        let parameters = Parameters::new(&VehicleSettings::default());
         let instruments = Instruments {
             time: Duration::ZERO,
+            life: &Life::new(&VehicleSettings::default(), &parameters),
+            parameters: &parameters,
+            battery_level: BatteryLevel::Ok,
             system_id: 1,
             mission: &Mission::default(),
             progress: &Progress::default(),
             flight,
             frame: &VehicleSettings::default().frame,
             failsafe: false,
+            fence: FenceReport::default(),
             clock_epoch_us: 7,
         };
-        instruments.message(stream)
+        at(&instruments)
+    }
+
+    fn message(flight: &Flight, stream: Stream) -> Message {
+        look(flight, |instruments| instruments.message(stream))
     }
 
     #[test]
     fn every_stream_makes_its_own_message() {
         let flight = Flight::new(&VehicleSettings::default());
         for stream in Stream::ALL {
-            assert_eq!(message(&flight, stream).message_id(), stream.message_id());
+            let foreign = look(&flight, |instruments| instruments.ardupilot_message(stream));
+            let id = foreign.map_or_else(|| message(&flight, stream).message_id(), |message| message.message_id());
+            assert_eq!(id, stream.message_id());
             assert_eq!(Stream::from_message_id(stream.message_id()), Some(stream));
         }
     }
