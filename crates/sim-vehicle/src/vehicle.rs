@@ -70,6 +70,7 @@ pub struct Vehicle {
     pub(crate) rally: Rally,
     pub(crate) uploads: Uploads,
     pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
+    pub(crate) plan_totals: [f32; PlanKind::ALL.len()],
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     pub(crate) counters: VehicleCounters,
@@ -122,6 +123,7 @@ impl Vehicle {
             rally: Rally::default(),
             uploads: Uploads::default(),
             plans_changed: Default::default(),
+            plan_totals: Default::default(),
             quiet_until: Duration::ZERO,
             counters: VehicleCounters::default(),
             wire: Counters::default(),

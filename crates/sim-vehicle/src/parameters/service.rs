@@ -112,7 +112,7 @@ impl Vehicle {
             Ok(()) => {
                 let after = self.settings.system_id;
                 self.links.set_system_id(before);
-                self.links.send_all(&self.parameter_message(parameter, None));
+                self.tell_parameter(parameter);
                 self.links.set_system_id(after);
             }
             Err(refused) => {
@@ -138,13 +138,24 @@ impl Vehicle {
         self.links.send(link, &message);
     }
 
-    fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
-        let value = match parameter {
+    /// What it is now.
+    pub(crate) fn parameter_value(&self, parameter: Parameter) -> f32 {
+        match parameter {
             Parameter::RunTime => self.time.as_secs() as f32,
+            Parameter::MissionTotal => self.mission.items.len() as f32,
             Parameter::FenceTotal => self.fence.total() as f32,
             Parameter::RallyTotal => self.rally.items.len() as f32,
             other => self.parameters.get(other),
-        };
+        }
+    }
+
+    /// Tells everybody what it is.
+    pub(crate) fn tell_parameter(&mut self, parameter: Parameter) {
+        self.links.send_all(&self.parameter_message(parameter, None));
+    }
+
+    fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
+        let value = self.parameter_value(parameter);
         parameter_value(parameter.name(), parameter.kind(), value, Parameter::COUNT as u16, index)
     }
 

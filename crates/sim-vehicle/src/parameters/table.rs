@@ -152,6 +152,7 @@ parameters! {
     FenceReturnAltitude: "FENCE_RET_ALT", INT16, |_| 0.0, |_| (0.0, f32::from(i16::MAX)), Effect::LookedUp;
     FenceAutoEnable: "FENCE_AUTOENABLE", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::Fence;
     FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 3.0), Effect::LookedUp;
+    MissionTotal: "MIS_TOTAL", INT16, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyLimit: "RALLY_LIMIT_KM", REAL, |_| 5.0, |_| (0.0, 1000.0), Effect::LookedUp;
     RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
