@@ -298,6 +298,26 @@ fn the_fence_may_be_enabled_by_arming_and_by_a_command() {
 }
 
 #[test]
+fn the_fence_may_be_enabled_by_a_take_off_and_the_floor_is_reached_from_below() {
+    let mut client = Client::new(VehicleSettings { on_ground: true, ..quiet() });
+    upload(&mut client, FENCE, &square(2000.0));
+    set(&mut client, "FENCE_TYPE", 12.0);
+    set(&mut client, "FENCE_ALT_MIN", 20.0);
+    set(&mut client, "FENCE_AUTOENABLE", 2.0);
+    set_mode(&mut client, Mode::Takeoff);
+    assert_eq!(client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]), ACCEPTED);
+    client.fly(40.0);
+    let said = texts(&client.collect());
+    assert!(said.contains(&"Min Alt fence enabled (auto enable)".to_owned()), "{said:?}");
+    assert!(said.contains(&"Polygon fence auto-enabled".to_owned()), "{said:?}");
+    assert_eq!(set_mode(&mut client, Mode::Guided), ACCEPTED);
+    client.command_int(MAV_CMD_GUIDED_CHANGE_ALTITUDE, [0.0; 3], 10.0, MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT);
+    client.fly(20.0);
+    assert!(texts(&client.collect()).contains(&"Min Alt fence breached".to_owned()));
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+}
+
+#[test]
 fn plans_that_were_on_board_are_there_again_or_the_start_fails() {
     let plans = Plans { fence: square(100.0), ..Plans::default() };
     let mut client = Client::new(VehicleSettings { plans, ..quiet() });
