@@ -188,6 +188,9 @@ pub struct VehiclesArgs {
     /// Seed of the link's impairment and of random starts.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub seed: Option<u64>,
+    /// Vehicles start on the ground, disarmed and in MANUAL, instead of in the air; as [autopilot] on_ground.
+    #[arg(long, conflicts_with = "lockstep")]
+    pub on_ground: bool,
     /// Folder in which parameters that are set and plans that are uploaded survive a restart: vehicle-1.parm,
     /// vehicle-1-mission.txt and so on. By default they do not.
     #[arg(long, alias = "params-folder", value_name = "DIR")]

@@ -48,9 +48,15 @@ pub fn wire_round(state: &State) -> State {
     state_from_local_position(&local_position_data(0, state))
 }
 
-/// GLOBAL_POSITION_INT: the state in WGS-84, and where the nose points
+/// GLOBAL_POSITION_INT: the state in WGS-84, where the nose points, and the height above a home at an altitude
 /// (<https://mavlink.io/en/messages/common.html#GLOBAL_POSITION_INT>). Values beyond a field's range take its bound.
-pub fn global_position_int(time_boot: Duration, state: &State, heading_rad: f64, frame: &LocalFrame) -> Message {
+pub fn global_position_int(
+    time_boot: Duration,
+    state: &State,
+    heading_rad: f64,
+    frame: &LocalFrame,
+    home_altitude_m: f64,
+) -> Message {
     let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
     let (north_mps, east_mps) = state.velocity_mps();
     // A float to integer cast takes the bound when it overflows and zero for NaN.
@@ -59,7 +65,7 @@ pub fn global_position_int(time_boot: Duration, state: &State, heading_rad: f64,
         lat: (place.latitude_deg * 1e7).round() as i32,
         lon: (place.longitude_deg * 1e7).round() as i32,
         alt: (place.altitude_amsl_m * 1e3).round() as i32,
-        relative_alt: (state.altitude_m * 1e3).round() as i32,
+        relative_alt: ((state.altitude_m - home_altitude_m) * 1e3).round() as i32,
         vx: (north_mps * 1e2).round() as i16,
         vy: (east_mps * 1e2).round() as i16,
         vz: (-state.climb_mps * 1e2).round() as i16,
@@ -210,9 +216,7 @@ pub fn protocol_version() -> Message {
 }
 
 /// EXTENDED_SYS_STATE of an aeroplane (<https://mavlink.io/en/messages/common.html#EXTENDED_SYS_STATE>).
-pub fn extended_sys_state(in_air: bool) -> Message {
-    let landed_state =
-        if in_air { MavLandedState::MAV_LANDED_STATE_IN_AIR } else { MavLandedState::MAV_LANDED_STATE_ON_GROUND };
+pub fn extended_sys_state(landed_state: MavLandedState) -> Message {
     Message::EXTENDED_SYS_STATE(EXTENDED_SYS_STATE_DATA {
         vtol_state: MavVtolState::MAV_VTOL_STATE_UNDEFINED,
         landed_state,
@@ -323,7 +327,8 @@ mod tests {
     fn a_known_place_in_wgs_84() {
         let origin = Geodetic { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 };
         let state = State { altitude_m: 20.5, speed_mps: 10.0, course_rad: -0.1, climb_mps: 1.5, ..State::default() };
-        let message = global_position_int(Duration::from_secs(3), &state, state.course_rad, &LocalFrame::new(origin));
+        let message =
+            global_position_int(Duration::from_secs(3), &state, state.course_rad, &LocalFrame::new(origin), 0.0);
         let expected = GLOBAL_POSITION_INT_DATA {
             time_boot_ms: 3000,
             lat: 399_800_000,

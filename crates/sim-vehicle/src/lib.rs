@@ -3,6 +3,7 @@
 //! [`Vehicle`] flies the model of Eq. 1-3 and speaks MAVLink as ArduPlane does in GUIDED. It takes datagrams and times and
 //! gives datagrams and states; [`Host`] lends sockets and a clock to any number of them.
 
+mod arming;
 mod commands;
 mod connection;
 mod counters;
@@ -10,6 +11,7 @@ mod endpoint;
 mod failsafe;
 mod fence;
 mod flight;
+mod home;
 mod host;
 mod hosting;
 mod life;

@@ -49,7 +49,7 @@ impl Vehicle {
         points
             .min_by(|(near_m, _), (far_m, _)| near_m.total_cmp(far_m))
             .filter(|(away_m, _)| limit_m <= 0.0 || *away_m <= limit_m)
-            .filter(|(away_m, _)| !home_counts || *away_m < self.distance_to_m(self.flight.home()))
+            .filter(|(away_m, _)| !home_counts || *away_m < self.distance_to_m(self.flight.home().at()))
             .map(|(_, place)| place)
     }
 

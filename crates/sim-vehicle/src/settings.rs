@@ -18,7 +18,10 @@ pub struct VehicleSettings {
     pub step: Duration,
     /// Where and how it starts, in the air.
     pub start: State,
-    /// The local frame; its origin is home.
+    /// It stands on the ground instead, where it starts, at altitude 0 above the origin and on its course: disarmed and in
+    /// MANUAL, whatever `armed` and `mode` say, and with its home there. The speed of the start is its cruise speed.
+    pub on_ground: bool,
+    /// The local frame. Its origin is the home of vehicles that start in the air, and the ground is level with it.
     pub frame: LocalFrame,
     /// Armed at the start. Otherwise it waits motionless where it starts until it is armed.
     pub armed: bool,
@@ -124,6 +127,7 @@ impl Default for VehicleSettings {
             dynamics: Dynamics::default(),
             step: Duration::from_millis(10),
             start: State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() },
+            on_ground: false,
             frame: LocalFrame::new(Geodetic { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 }),
             armed: true,
             mode: Mode::Guided,

@@ -73,6 +73,10 @@ pub struct Vehicle {
     pub(crate) plan_totals: [f32; PlanKind::ALL.len()],
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
+    /// Vehicle time at which it last flew.
+    pub(crate) flown_at: Duration,
+    /// Whether somebody has set home: then arming leaves it.
+    pub(crate) home_is_set: bool,
     pub(crate) counters: VehicleCounters,
     wire: Counters,
 }
@@ -125,6 +129,8 @@ impl Vehicle {
             plans_changed: Default::default(),
             plan_totals: Default::default(),
             quiet_until: Duration::ZERO,
+            flown_at: Duration::ZERO,
+            home_is_set: false,
             counters: VehicleCounters::default(),
             wire: Counters::default(),
             settings,
@@ -214,7 +220,7 @@ impl Vehicle {
         self.links.begin_batch(None);
         self.integrate(tick_end.saturating_sub(self.settings.step), track);
         self.live();
-        self.flight.step();
+        self.step_flight();
         self.time = tick_end;
         track.push(*self.flight.state());
         self.check_failsafes();
@@ -274,7 +280,7 @@ impl Vehicle {
         self.flight.mode()
     }
 
-    /// Whether it is armed, and so flies.
+    /// Whether it is armed.
     pub fn is_armed(&self) -> bool {
         self.flight.is_armed()
     }
@@ -314,7 +320,7 @@ impl Vehicle {
         let step = self.settings.step;
         while self.time + step <= until {
             self.live();
-            self.flight.step();
+            self.step_flight();
             self.time += step;
             track.push(*self.flight.state());
             self.check_failsafes();
@@ -334,6 +340,7 @@ impl Vehicle {
         if mode == Mode::Rtl && is_new {
             let rally = self.best_rally();
             self.flight.set_rally(rally);
+            self.progress.has_looked_for_landing = false;
         }
         self.flight.set_mode(mode);
         if is_new {
@@ -362,6 +369,10 @@ impl Vehicle {
         self.with_instruments(|links, instruments| links.send_stream(link, stream, instruments));
     }
 
+    pub(crate) fn send_stream_to_all(&mut self, stream: Stream) {
+        self.with_instruments(|links, instruments| links.send_all(&instruments.message(stream)));
+    }
+
     pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
         let text = text.get(..text.len().min(50)).unwrap_or_default();
         let text = STATUSTEXT_DATA { severity, text: text.into(), ..STATUSTEXT_DATA::DEFAULT };
@@ -369,6 +380,7 @@ impl Vehicle {
     }
 
     fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
+        let is_armable = self.against_arming().is_none();
         let instruments = Instruments {
             time: self.time,
             system_id: self.settings.system_id,
@@ -381,6 +393,7 @@ impl Vehicle {
             parameters: &self.parameters,
             battery_level: self.failsafes.battery.level(),
             fence: self.fence.report(&self.parameters),
+            is_armable,
             clock_epoch_us: self.settings.clock_epoch_us,
         };
         send(&mut self.links, &instruments);

@@ -62,6 +62,7 @@ fn overrides(args: &VehiclesArgs) -> Overrides {
         swarm: args.swarm.clone(),
         vehicles_per_port: args.per_port,
         parameters: args.parameters.clone(),
+        on_ground: args.on_ground,
         ..Overrides::default()
     }
 }

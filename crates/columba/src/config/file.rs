@@ -296,6 +296,8 @@ pub struct AutopilotTable {
     pub loiter_radius_m: f64,
     /// Whether vehicles start armed; else they wait at their start until armed.
     pub armed: bool,
+    /// Whether vehicles start on the ground, disarmed, instead of in the air.
+    pub on_ground: bool,
     /// HEARTBEAT.
     pub heartbeat_hz: f64,
     /// SYS_STATUS.
@@ -320,6 +322,7 @@ impl Default for AutopilotTable {
             setpoint_timeout_s,
             loiter_radius_m,
             armed: true,
+            on_ground: false,
             heartbeat_hz: rates.heartbeat_hz,
             sys_status_hz: rates.sys_status_hz,
             system_time_hz: rates.system_time_hz,

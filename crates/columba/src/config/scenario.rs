@@ -96,6 +96,8 @@ pub struct Overrides {
     pub loss: Option<f64>,
     /// `--count`: replaces the file's vehicles by so many in a pattern.
     pub count: Option<usize>,
+    /// `--on-ground`.
+    pub on_ground: bool,
     /// `--pattern`: how they are laid out.
     pub pattern: Option<Pattern>,
     /// `--swarm`: replaces the file's vehicles by those of a swarm file.
@@ -129,6 +131,7 @@ impl Overrides {
             flag("link.loss", "--loss", self.loss),
             flag("vehicles", "--count", self.count),
             flag("vehicles.count", "--count", self.count),
+            flag("autopilot.on_ground", "--on-ground", self.on_ground.then_some("")),
             flag("vehicles", "--swarm", swarm),
         ]
         .into_iter()
@@ -141,6 +144,7 @@ impl Overrides {
         let replace = |value: &mut Option<u16>, with: Option<u16>| *value = with.or(*value);
         replace(&mut file.link.vehicle_port, self.vehicle_port);
         replace(&mut file.link.ground_port, self.ground_port);
+        file.autopilot.on_ground |= self.on_ground;
         file.scenario.seed = self.seed.unwrap_or(file.scenario.seed);
         file.scenario.duration_s = self.duration_s.unwrap_or(file.scenario.duration_s);
         file.preset = self.preset.unwrap_or(file.preset);

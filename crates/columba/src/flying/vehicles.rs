@@ -42,6 +42,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         start: *start,
         frame: scenario.frame,
         armed: autopilot.armed,
+        on_ground: autopilot.on_ground,
         rates: TelemetryRates {
             heartbeat_hz: autopilot.heartbeat_hz,
             sys_status_hz: autopilot.sys_status_hz,

@@ -9,6 +9,7 @@ use crate::commands::Refusal;
 use crate::parameters::Parameter;
 use crate::streams::Stream;
 use crate::{Mode, Vehicle};
+use flight_model::State;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::MavSeverity;
 
@@ -147,8 +148,10 @@ impl Vehicle {
             self.rest_fence(by_itself);
         }
         let before = self.fence.breached;
-        let (state, home) = (*self.flight.state(), self.flight.home());
-        let mut fresh = self.fence.look(&state, home, &self.parameters);
+        let home = self.flight.home();
+        let state = self.flight.state();
+        let state = State { altitude_m: state.altitude_m - home.altitude_m, ..*state };
+        let mut fresh = self.fence.look(&state, home.at(), &self.parameters);
         if !on_ground {
             self.raise_floor(by_itself, state.altitude_m);
         }
@@ -201,17 +204,19 @@ impl Vehicle {
         let margin_m = get(Parameter::FenceMargin);
         let (least_m, most_m) =
             (get(Parameter::FenceAltitudeMin) + margin_m, get(Parameter::FenceAltitudeMax) - margin_m);
-        let rtl_altitude_m = self.flight.tuning().rtl_altitude_m;
+        let home = self.flight.home();
+        let above_home_m = |altitude_m: f64| home.altitude_m + altitude_m;
+        let rtl_altitude_m = self.flight.tuning().rtl_altitude_m.map(above_home_m);
         let (at, altitude_m) = if get(Parameter::FenceReturnToRally) != 0.0 {
             let rally = self.best_rally();
-            (rally.map_or(self.flight.home(), |rally| rally.at), rally.map(|rally| rally.altitude_m).or(rtl_altitude_m))
+            (rally.map_or(home.at(), |rally| rally.at), rally.map(|rally| rally.altitude_m).or(rtl_altitude_m))
         } else {
             let altitude_m = match get(Parameter::FenceReturnAltitude) {
-                altitude_m if altitude_m > 0.0 => Some(altitude_m),
+                altitude_m if altitude_m > 0.0 => Some(above_home_m(altitude_m)),
                 _ if least_m >= most_m => rtl_altitude_m,
-                _ => Some(0.5 * (least_m + most_m)),
+                _ => Some(above_home_m(0.5 * (least_m + most_m))),
             };
-            (self.fence.area.way_back().unwrap_or(self.flight.home()), altitude_m)
+            (self.fence.area.way_back().unwrap_or(home.at()), altitude_m)
         };
         self.flight.reposition(at, self.flight.tuning().loiter_radius_m);
         if let Some(altitude_m) = altitude_m {

@@ -2,6 +2,7 @@
 //! to the last bit.
 
 use super::Flight;
+use super::ground::Contact;
 use super::guidance::Direction;
 use flight_model::{Setpoint, State, Wind, wrap_pi};
 
@@ -26,10 +27,13 @@ impl Air {
 }
 
 impl Flight {
-    /// The air of the next step; on the rail it is not felt. `known` is the wind that the autopilot reckons with; none: it
+    /// The air of the next step; on the rail and on the ground it is not felt. `known` is the wind that the autopilot reckons with; none: it
     /// sees its way over ground.
     pub fn feel(&mut self, wind: Wind, known: Option<Wind>) {
-        let (wind, known) = if self.armed { (wind, known) } else { (Wind::CALM, None) };
+        if self.contact != Contact::Air {
+            self.air = Air::at(&self.state);
+            return;
+        }
         // A gust from below takes the vehicle along; its altitude loop brings it back.
         self.state.climb_mps += wind.up_mps - self.air.wind.up_mps;
         self.air.wind = wind;
@@ -100,6 +104,12 @@ impl Flight {
     pub fn set_heading(&mut self, heading_rad: f64, lateral_acceleration_mps2: f64) {
         self.set_course(heading_rad, lateral_acceleration_mps2);
         self.direction = Direction::Heading(heading_rad);
+    }
+
+    /// One step without them, on the ground.
+    pub(super) fn roll_to(&mut self, state: State) {
+        self.air.before = self.state;
+        self.state = state;
     }
 
     /// One step of the loops.

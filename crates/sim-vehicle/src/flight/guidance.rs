@@ -1,7 +1,7 @@
 //! Where to: a course, a circle or a place.
 
 use super::circle::Circle;
-use super::{Flight, TAKEOFF_TOLERANCE_M};
+use super::{Flight, Stage, TAKEOFF_TOLERANCE_M};
 use crate::Mode;
 use flight_model::wrap_pi;
 
@@ -26,11 +26,6 @@ pub(crate) struct RallyPlace {
 }
 
 impl Flight {
-    /// Home, (north, east) in m.
-    pub fn home(&self) -> (f64, f64) {
-        (0.0, 0.0)
-    }
-
     /// Where RTL will go when it is entered; none: home.
     pub fn set_rally(&mut self, rally: Option<RallyPlace>) {
         self.rally = rally;
@@ -49,6 +44,7 @@ impl Flight {
 
     /// Flies to a place, (north, east) in m, and over it.
     pub fn fly_to(&mut self, place: (f64, f64)) {
+        self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
         self.direction = Direction::Place(place);
     }
@@ -77,6 +73,7 @@ impl Flight {
     }
 
     pub(super) fn circle(&mut self, centre: (f64, f64), radius_m: f64) {
+        self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
         let dynamics = self.limited_dynamics();
         self.direction = Direction::Circle(Circle::new(centre, radius_m, &dynamics, self.autopilot.step_s()));
@@ -87,9 +84,20 @@ impl Flight {
         self.mode == Mode::Takeoff && matches!(self.direction, Direction::Circle(_))
     }
 
-    pub(super) fn circle_when_up(&mut self) {
-        let is_up = (self.state.altitude_m - self.altitude.target).abs() <= TAKEOFF_TOLERANCE_M;
-        if is_up && matches!(self.direction, Direction::Course(_)) {
+    /// Climbs straight on to an altitude, m above the origin, from the ground or in the air.
+    pub fn take_off(&mut self, altitude_m: f64) {
+        self.hold_course();
+        self.set_altitude(altitude_m, f64::INFINITY);
+        self.stage = Stage::Takeoff;
+    }
+
+    /// Ends a take-off at its altitude. TAKEOFF goes on by circling there; AUTO has its next item.
+    pub(super) fn level_off_when_up(&mut self) {
+        if (self.state.altitude_m - self.altitude.target).abs() > TAKEOFF_TOLERANCE_M {
+            return;
+        }
+        self.stage = Stage::Normal;
+        if self.mode == Mode::Takeoff {
             self.circle((self.state.x_m, self.state.y_m), self.tuning.loiter_radius_m);
         }
     }
@@ -97,7 +105,7 @@ impl Flight {
     /// The course to a place. The course loop lags by its time constant behind a bearing that turns, which is fed forward:
     /// so the vehicle flies over the place and not past it. One that is too near to turn to would be circled for ever:
     /// the vehicle first flies away.
-    fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
+    pub(super) fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
         const AHEAD_RAD: f64 = 1.0;
         let state = self.estimate();
         let (north, east) = (x_m - state.x_m, y_m - state.y_m);

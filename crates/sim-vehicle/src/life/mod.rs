@@ -59,7 +59,7 @@ impl Vehicle {
         life.weather.step(&Forecast::of(parameters), &life.noise, tick(self.time), &air, step_s, sees_ground);
         let known = (!sees_ground).then(|| life.weather.estimate());
         self.flight.feel(life.weather.wind(), known);
-        let throttle = if self.flight.is_armed() { self.flight.power_share() } else { 0.0 };
+        let throttle = if self.flight.is_engine_running() { self.flight.power_share() } else { 0.0 };
         life.battery.step(&BatterySettings::of(parameters), throttle, step_s);
         life.barometer_drift_m += f64::from(parameters.get(Parameter::BarometerDrift)) * step_s;
     }

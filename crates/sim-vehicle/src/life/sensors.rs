@@ -159,7 +159,9 @@ mod tests {
         if turn {
             flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
         }
-        (0..50).for_each(|_| flight.step());
+        for _ in 0..50 {
+            flight.step();
+        }
         flight
     }
 

@@ -98,6 +98,8 @@ parameters! {
     // ArduPlane's default climbs to 100 m; ours stays where it is.
     RtlAltitude: "RTL_ALTITUDE", REAL, |_| -1.0, |_| (-1.0, 10_000.0), Effect::Tuning;
     TakeoffAltitude: "TKOFF_ALT", REAL, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
+    RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
+    DisarmDelay: "LAND_DISARMDELAY", INT8, |_| 20.0, |_| (0.0, 127.0), Effect::LookedUp;
 
     // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;

@@ -243,7 +243,8 @@ impl Vehicle {
 
     /// Item 0 of a mission is home, whatever was uploaded for it.
     fn home_item(&self) -> PlanItem {
-        let home = self.settings.frame.origin();
+        let home = self.flight.home();
+        let home = self.settings.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
         PlanItem {
             latitude_e7: (home.latitude_deg * 1e7).round() as i32,
             longitude_e7: (home.longitude_deg * 1e7).round() as i32,

@@ -12,8 +12,9 @@ use crate::parameters::{Parameter, Parameters};
 use crate::streams::Stream;
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavModeFlag, MavProtocolCapability,
-    MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
+    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavLandedState, MavModeFlag,
+    MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
+    SYS_STATUS_DATA,
 };
 use mavlink_bridge::{ArduPilotMessage, local_position_ned, telemetry};
 use std::time::Duration;
@@ -27,6 +28,8 @@ pub(crate) struct Instruments<'a> {
     pub progress: &'a Progress,
     pub frame: &'a LocalFrame,
     pub failsafe: bool,
+    /// Whether it is armed, or nothing stands against it.
+    pub is_armable: bool,
     pub life: &'a Life,
     pub parameters: &'a Parameters,
     pub battery_level: BatteryLevel,
@@ -61,12 +64,14 @@ impl Instruments<'_> {
             }
             Stream::LocalPositionNed => local_position_ned(time, state),
             Stream::GlobalPositionInt => {
-                telemetry::global_position_int(time, state, self.flight.heading_rad(), self.frame)
+                let home_altitude_m = self.flight.home().altitude_m;
+                telemetry::global_position_int(time, state, self.flight.heading_rad(), self.frame, home_altitude_m)
             }
             Stream::VfrHud => {
                 // Throttle is the share of the top speed that is flown.
                 let top_mps = self.flight.limits().speed_max_mps;
-                let throttle_percent = (100.0 * self.flight.airspeed_mps() / top_mps).round() as u16;
+                let share = if self.flight.is_engine_running() { self.flight.airspeed_mps() / top_mps } else { 0.0 };
+                let throttle_percent = (100.0 * share).round() as u16;
                 let airspeed_mps = self.readings().airspeed_mps;
                 let altitude_m = origin.altitude_amsl_m + state.altitude_m;
                 telemetry::vfr_hud(state, airspeed_mps, self.flight.heading_rad(), altitude_m, throttle_percent)
@@ -90,20 +95,42 @@ impl Instruments<'_> {
             Stream::MissionCurrent => self.mission_current(),
             Stream::BatteryStatus => self.battery_status(),
             Stream::FenceStatus => self.fence_status(),
-            Stream::ExtendedSysState => telemetry::extended_sys_state(self.flight.is_armed()),
+            Stream::ExtendedSysState => telemetry::extended_sys_state(self.landed_state()),
             Stream::AutopilotVersion => {
                 telemetry::autopilot_version(ARDUPLANE_VERSION, capabilities(), u64::from(self.system_id))
             }
             Stream::ProtocolVersion => telemetry::protocol_version(),
             Stream::GpsGlobalOrigin => telemetry::gps_global_origin(time, &origin),
-            Stream::HomePosition => Message::HOME_POSITION(HOME_POSITION_DATA {
-                latitude: (origin.latitude_deg * 1e7).round() as i32,
-                longitude: (origin.longitude_deg * 1e7).round() as i32,
-                altitude: (origin.altitude_amsl_m * 1e3).round() as i32,
-                q: [1.0, 0.0, 0.0, 0.0],
-                time_usec: u64::try_from(time.as_micros()).unwrap_or(u64::MAX),
-                ..HOME_POSITION_DATA::DEFAULT
-            }),
+            Stream::HomePosition => self.home_position(),
+        }
+    }
+
+    fn home_position(&self) -> Message {
+        let home = self.flight.home();
+        let place = self.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
+        Message::HOME_POSITION(HOME_POSITION_DATA {
+            latitude: (place.latitude_deg * 1e7).round() as i32,
+            longitude: (place.longitude_deg * 1e7).round() as i32,
+            altitude: (place.altitude_amsl_m * 1e3).round() as i32,
+            x: home.x_m as f32,
+            y: home.y_m as f32,
+            // Down; zero must not become minus zero.
+            z: (0.0 - home.altitude_m) as f32,
+            q: [1.0, 0.0, 0.0, 0.0],
+            time_usec: u64::try_from(self.time.as_micros()).unwrap_or(u64::MAX),
+            ..HOME_POSITION_DATA::DEFAULT
+        })
+    }
+
+    fn landed_state(&self) -> MavLandedState {
+        if !self.flight.is_flying() {
+            MavLandedState::MAV_LANDED_STATE_ON_GROUND
+        } else if self.flight.is_taking_off() {
+            MavLandedState::MAV_LANDED_STATE_TAKEOFF
+        } else if self.flight.is_landing() {
+            MavLandedState::MAV_LANDED_STATE_LANDING
+        } else {
+            MavLandedState::MAV_LANDED_STATE_IN_AIR
         }
     }
 
@@ -177,14 +204,15 @@ impl Instruments<'_> {
     fn status(&self) -> MavState {
         if self.failsafe {
             MavState::MAV_STATE_CRITICAL
-        } else if self.flight.is_armed() {
+        } else if self.flight.is_flying() {
             MavState::MAV_STATE_ACTIVE
         } else {
             MavState::MAV_STATE_STANDBY
         }
     }
 
-    /// Every sensor that a client may wait for is there and healthy, the pre-arm check among them.
+    /// Every sensor that a client may wait for is there and healthy; so is the pre-arm check, unless something stands
+    /// against arming.
     fn sys_status(&self) -> Message {
         let sensors = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO
             | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL
@@ -205,6 +233,7 @@ impl Instruments<'_> {
         let mut health = sensors | fence(self.fence.breached == 0);
         let pitot_is_whole = self.parameters.get(Parameter::PitotFail) == 0.0;
         for (sensor, is_well) in [
+            (MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK, self.is_armable),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS, self.has_fix()),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE, pitot_is_whole),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, self.battery_level == BatteryLevel::Ok),
@@ -249,17 +278,16 @@ fn capabilities() -> MavProtocolCapability {
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }
 
-/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE.
+/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE, 193 in MANUAL.
 fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
-    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
-        | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED
-        | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED;
-    if mode != Mode::Cruise {
+    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED;
+    if mode != Mode::Manual {
+        flags |= MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
+    }
+    if !matches!(mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise) {
         flags |= MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED;
     }
-    if armed {
-        flags |= MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED;
-    }
+    flags.set(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, armed);
     flags
 }
 
@@ -282,6 +310,7 @@ mod tests {
             flight,
             frame: &VehicleSettings::default().frame,
             failsafe: false,
+            is_armable: true,
             fence: FenceReport::default(),
             clock_epoch_us: 7,
         };
@@ -308,13 +337,16 @@ mod tests {
         assert_eq!(base_mode(Mode::Guided, true).bits(), 217);
         assert_eq!(base_mode(Mode::Cruise, true).bits(), 209);
         assert_eq!(base_mode(Mode::Guided, false).bits(), 89);
+        assert_eq!(base_mode(Mode::Manual, true).bits(), 193);
     }
 
     #[test]
     fn a_coordinated_turn_banks() {
         let mut flight = Flight::new(&VehicleSettings::default());
         flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
-        (0..50).for_each(|_| flight.step());
+        for _ in 0..50 {
+            flight.step();
+        }
         let Message::ATTITUDE(attitude) = message(&flight, Stream::Attitude) else { panic!() };
         assert!((attitude.roll - std::f32::consts::FRAC_PI_4).abs() < 1e-5);
         assert!((attitude.yawspeed - 1.0).abs() < 1e-5);
