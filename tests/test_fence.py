@@ -48,7 +48,7 @@ def test_what_is_uploaded_is_downloaded(craft):
         (frame, command, p1, x, y) for frame, command, p1, _, _, x, y, _ in items
     ]
     craft.link.mav.param_request_read_send(craft.system, 1, b"FENCE_TOTAL", -1)
-    assert craft.wait(["PARAM_VALUE"]).param_value == 0  # more than a polygon and a return point
+    assert craft.wait(["PARAM_VALUE"]).param_value == 7  # as in ArduPlane: corners, circles, and two
     assert uploader.upload([]) == mavlink.MAV_MISSION_ACCEPTED
     assert uploader.download() == []
 
