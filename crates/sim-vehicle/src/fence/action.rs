@@ -61,7 +61,7 @@ impl Vehicle {
     /// Why the fence does not let it arm, if it does not.
     pub(crate) fn fence_forbids_arming(&self) -> Option<String> {
         let get = |parameter: Parameter| self.parameters.get(parameter);
-        let (fence, state) = (&self.fence, self.flight.state());
+        let (fence, state) = (&self.fence, self.flight.estimate());
         let configured = configured(&self.parameters);
         if get(Parameter::FenceEnable) != 0.0 && fence.present(&self.parameters) == 0 {
             return Some("Fences enabled, but none selected".into());
@@ -150,8 +150,8 @@ impl Vehicle {
         }
         let before = self.fence.breached;
         let home = self.flight.home();
-        let state = self.flight.state();
-        let state = State { altitude_m: state.altitude_m - home.altitude_m, ..*state };
+        let state = self.flight.estimate();
+        let state = State { altitude_m: state.altitude_m - home.altitude_m, ..state };
         let mut fresh = self.fence.look(&state, home.at(), &self.parameters);
         if !is_down {
             self.raise_floor(by_itself, state.altitude_m);
