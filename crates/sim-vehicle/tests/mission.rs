@@ -286,7 +286,7 @@ fn the_current_item_is_set_and_auto_goes_on_from_it() {
     upload(&mut client, &square());
     assert_eq!(
         client.command_long(MAV_CMD_DO_SET_MISSION_CURRENT, [5.0, 0.0, 0.0]),
-        Some(MavResult::MAV_RESULT_FAILED)
+        Some(MavResult::MAV_RESULT_DENIED)
     );
     for (seq, expected, words) in [(9, 1, vec!["Mission: no item 9"]), (3, 3, vec![])] {
         let set = MISSION_SET_CURRENT_DATA { seq, target_system: TARGET, target_component: 1 };
