@@ -37,10 +37,9 @@ class Conversation:
         self.steps = {}
         self.beats = 0
         self.silent = False
-        self.also = ()
         self.last_mode = self.last_armed = self.last_current = None
         self.newest = {}
-        self.answers, self.states, self.progress, self.warned = [], [], [], False
+        self.forget()
         self.items, self.kind = [], MISSION
 
     # What is said.
@@ -63,9 +62,11 @@ class Conversation:
         self.long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1 if yes else 0, force)
 
     def read(self, name):
+        self.asked.add(name)
         self.mav.param_request_read_send(self.system, self.component, name.encode(), -1)
 
     def set(self, name, value, kind=mavlink.MAV_PARAM_TYPE_REAL32):
+        self.asked.add(name)
         self.mav.param_set_send(self.system, self.component, name.encode(), value, kind)
 
     def request(self, message, *params):
@@ -100,7 +101,7 @@ class Conversation:
         """What is sent inside is one step. It ends after a question of ours has been answered, with the next heartbeat; with
         `until`, when that holds, and after `beats` heartbeats at the latest. `also` are message kinds that count as answers."""
         assert name not in self.steps, name
-        self.answers, self.states, self.progress, self.warned = [], [], [], False
+        self.forget()
         self.also = also
         yield
         self.settle()
@@ -108,7 +109,11 @@ class Conversation:
             self.wait_for(until, beats)
         record = {"answers": self.answers, "states": self.states, "progress": self.progress, "warned": self.warned}
         self.steps[name] = {key: value for key, value in record.items() if value}
-        self.also = ()
+        self.forget()
+
+    def forget(self):
+        self.answers, self.states, self.progress, self.warned = [], [], [], False
+        self.asked, self.also = set(), ()
 
     def settle(self):
         """Until what was sent before has been answered, and the heartbeat has shown what came of it."""
@@ -204,11 +209,13 @@ class Conversation:
 
     def on_mission_item_reached(self, reached):
         word = f"reached {reached.seq}"
-        if word not in self.progress[-1:]:
+        # Item 0 is home, which no mission flies to: ArduPlane says so of the point of GUIDED.
+        if reached.seq and word not in self.progress[-1:]:
             self.progress.append(word)
 
     def on_param_value(self, value):
-        if value.param_id != "STAT_RUNTIME":
+        # An autopilot may tell of others that it has changed by itself.
+        if value.param_id in self.asked:
             kind = name_of("MAV_PARAM_TYPE", value.param_type)
             self.answers.append(f"{value.param_id} {kind} {value.param_value:g}")
 

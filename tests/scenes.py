@@ -49,9 +49,11 @@ def connection(talk):
     version = talk.newest.get("AUTOPILOT_VERSION")
     with talk.step("its version"):
         talk.answers.append(f"{version.flight_sw_version >> 24}.{version.flight_sw_version >> 16 & 255}")
-    flags = mavlink.enums["MAV_PROTOCOL_CAPABILITY"].values()
+    flags = mavlink.enums["MAV_PROTOCOL_CAPABILITY"].items()
     with talk.step("its capabilities"):
-        talk.answers += [flag.name.removeprefix("MAV_PROTOCOL_CAPABILITY_") for flag in flags if flag.value & version.capabilities]
+        talk.answers += [
+            flag.name.removeprefix("MAV_PROTOCOL_CAPABILITY_") for bit, flag in flags if bit & version.capabilities and not flag.name.endswith("ENUM_END")
+        ]
     with talk.step("the older request for capabilities", also=["AUTOPILOT_VERSION"]):
         talk.long(mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, 1)
     with talk.step("the older request for the protocol's version", also=["PROTOCOL_VERSION"]):
@@ -74,19 +76,18 @@ def parameters(talk):
         talk.read("NOT_THERE")
     with talk.step("read by an index that is not there"):
         talk.mav.param_request_read_send(talk.system, talk.component, b"", 30_000)
-    with talk.step("read the first by its index", also=["PARAM_VALUE"]):
-        talk.mav.param_request_read_send(talk.system, talk.component, b"", 0)
-        talk.settle()
-        talk.answers[:] = ["one" for _ in talk.answers]
     for name, value in {
         "WP_RADIUS": 33, "WP_LOITER_RAD": -70, "RTL_RADIUS": 90, "RTL_ALTITUDE": 75, "TKOFF_ALT": 60, "FS_GCS_ENABL": 1, "FS_LONG_ACTN": 1,
-        "FS_LONG_TIMEOUT": 7, "AIRSPEED_CRUISE": 12, "ROLL_LIMIT_DEG": 45, "MAV_GCS_SYSID": 254, "MAV1_POSITION": 4, "FENCE_ENABLE": 0,
+        "FS_LONG_TIMEOUT": 7, "AIRSPEED_CRUISE": 12, "ROLL_LIMIT_DEG": 45, "MAV_GCS_SYSID": 255, "MAV1_POSITION": 4, "FENCE_ENABLE": 0,
         "FENCE_ACTION": 1, "FENCE_ALT_MAX": 90, "FENCE_RADIUS": 400, "BATT_LOW_VOLT": 10.5, "BATT_CAPACITY": 5000, "SIM_WIND_SPD": 6,
         "SIM_WIND_DIR": 90, "SIM_GPS1_ENABLE": 1, "SIM_ENGINE_FAIL": 0, "RALLY_LIMIT_KM": 4, "ARMING_CHECK": 1,
-        "DISARM_DELAY": 10, "LAND_DISARMDELAY": 20, "FENCE_AUTOENABLE": 0, "SCHED_LOOP_RATE": 50, "STAB_PITCH_DOWN": 2,
+        "LAND_DISARMDELAY": 20, "FENCE_AUTOENABLE": 0, "SCHED_LOOP_RATE": 50, "STAB_PITCH_DOWN": 2,
     }.items():  # fmt: skip
         with talk.step(f"set {name}"):
             talk.set(name, value)
+            talk.settle()
+            # The type in the echo of a default is another than that of the parameter.
+            talk.answers[:] = [" ".join(answer.split()[::2]) for answer in talk.answers]
         with talk.step(f"read {name}"):
             talk.read(name)
     with talk.step("set a whole number to a broken one"):
@@ -171,8 +172,6 @@ def arming(talk):
         talk.arm(False)
     with talk.step("to MANUAL"):
         talk.mode(MANUAL)
-    with talk.step("left alone it disarms itself", until=lambda: talk.disarmed() and "disarmed" in talk.states, beats=30):
-        talk.arm()
     with talk.step("for another component"):
         talk.long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1, component=99)
 
