@@ -169,9 +169,10 @@ pub struct VehiclesArgs {
     /// Seed of the link's impairment and of random starts.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub seed: Option<u64>,
-    /// Folder in which parameters that are set survive a restart: vehicle-1.parm and so on. By default they do not.
-    #[arg(long, value_name = "DIR")]
-    pub params_folder: Option<PathBuf>,
+    /// Folder in which parameters that are set and plans that are uploaded survive a restart: vehicle-1.parm,
+    /// vehicle-1-mission.txt and so on. By default they do not.
+    #[arg(long, alias = "params-folder", value_name = "DIR")]
+    pub state_folder: Option<PathBuf>,
     /// Prints the table of vehicles as JSON.
     #[arg(long)]
     pub json: bool,

@@ -128,16 +128,11 @@ impl Vehicle {
         match command.command {
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm(p1),
             MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
-            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => {
-                self.set_mode(Mode::Loiter);
-                Ok(())
-            }
-            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => {
-                self.set_mode(Mode::Rtl);
-                Ok(())
-            }
+            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.enter(Mode::Loiter),
+            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.enter(Mode::Rtl),
             MavCmd::MAV_CMD_MISSION_START => self.start_mission([p1, p2]),
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
+            MavCmd::MAV_CMD_DO_FENCE_ENABLE => self.enable_fence([p1, p2]),
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: it starts in the air")),
             MavCmd::MAV_CMD_DO_REPOSITION => self.reposition(command),
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
@@ -161,7 +156,11 @@ impl Vehicle {
     fn arm_or_disarm(&mut self, p1: f32) -> Result<(), Refusal> {
         if p1 == 1.0 {
             if !self.flight.is_armed() {
+                if let Some(reason) = self.fence_forbids_arming() {
+                    return Err(Refusal::failed(format!("Arm: {reason}")));
+                }
                 self.flight.arm();
+                self.arming_changes_fence();
                 self.restart_setpoint_timeout();
             }
             Ok(())
@@ -188,6 +187,9 @@ impl Vehicle {
     fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
         if mode == Mode::Auto && !self.mission.is_flyable() {
             return Err(Refusal::failed("Auto: no mission"));
+        }
+        if let Some(reason) = self.fence_forbids(mode) {
+            return Err(Refusal::failed(reason));
         }
         self.set_mode(mode);
         Ok(())

@@ -21,6 +21,9 @@ impl Vehicle {
         if self.mode() != Mode::Guided && change_mode as i64 & 1 == 0 {
             return Err(Refusal::failed(format!("Reposition: mode is {}", self.mode())));
         }
+        if let Some(reason) = self.fence_forbids(Mode::Guided) {
+            return Err(Refusal::failed(reason));
+        }
         let clockwise = turn.is_nan() || turn == 0.0;
         let place = Geodetic {
             latitude_deg: f64::from(latitude_e7) * 1e-7,

@@ -1,11 +1,14 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
 use crate::failsafe::Failsafes;
+use crate::fence::Fence;
 use crate::flight::Flight;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
-use crate::mission::{Mission, Progress, Upload};
+use crate::mission::{Mission, Progress};
 use crate::parameters::{Listings, Pace, Parameter, Parameters};
+use crate::plans::{PlanKind, Uploads};
+use crate::rally::Rally;
 use crate::services::target_system;
 use crate::streams::Stream;
 use crate::telemetry::Instruments;
@@ -61,7 +64,10 @@ pub struct Vehicle {
     pub(crate) pace: Arc<Pace>,
     pub(crate) mission: Mission,
     pub(crate) progress: Progress,
-    pub(crate) upload: Option<Upload>,
+    pub(crate) fence: Fence,
+    pub(crate) rally: Rally,
+    pub(crate) uploads: Uploads,
+    pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     pub(crate) counters: VehicleCounters,
@@ -108,7 +114,10 @@ impl Vehicle {
             pace: Arc::default(),
             mission: Mission::default(),
             progress: Progress::default(),
-            upload: None,
+            fence: Fence::default(),
+            rally: Rally::default(),
+            uploads: Uploads::default(),
+            plans_changed: Default::default(),
             quiet_until: Duration::ZERO,
             counters: VehicleCounters::default(),
             wire: Counters::default(),
@@ -118,6 +127,8 @@ impl Vehicle {
             let known = Parameter::from_name(&name).ok_or(SettingsError::NoSuchParameter(name))?;
             vehicle.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
         }
+        let plans = std::mem::take(&mut vehicle.settings.plans);
+        vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
@@ -191,6 +202,7 @@ impl Vehicle {
         self.time = tick_end;
         track.push(*self.flight.state());
         self.check_failsafes();
+        self.check_fence();
         self.follow_mission();
         self.with_instruments(Links::send_due_and_position);
         self.links.end_batch();
@@ -211,7 +223,7 @@ impl Vehicle {
             return None;
         }
         let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
-        [resend_at, self.listings.next_due(), self.upload_due()].into_iter().flatten().min()
+        [resend_at, self.listings.next_due(), self.uploads.due()].into_iter().flatten().min()
     }
 
     /// Tells the vehicle the host time: it forgets silent peers, goes on with lists and uploads, and in lockstep asks
@@ -223,7 +235,7 @@ impl Vehicle {
             self.counters.resends += 1;
         }
         self.send_listings();
-        self.check_upload();
+        self.check_uploads();
     }
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
@@ -289,6 +301,7 @@ impl Vehicle {
             self.time += step;
             track.push(*self.flight.state());
             self.check_failsafes();
+            self.check_fence();
             self.follow_mission();
             if self.time >= self.links.next_due() {
                 self.with_instruments(Links::send_due);
@@ -300,7 +313,15 @@ impl Vehicle {
         if mode == Mode::Auto && self.mode() != Mode::Auto {
             self.begin_mission();
         }
+        let is_new = mode != self.mode();
+        if mode == Mode::Rtl && is_new {
+            let rally = self.best_rally();
+            self.flight.set_rally(rally);
+        }
         self.flight.set_mode(mode);
+        if is_new {
+            self.mode_changes_fence();
+        }
         self.failsafes.setpoints_lost = false;
         self.restart_setpoint_timeout();
     }
@@ -338,6 +359,7 @@ impl Vehicle {
             frame: &self.settings.frame,
             mission: &self.mission,
             progress: &self.progress,
+            fence: self.fence.report(&self.parameters),
             failsafe: self.failsafes.setpoints_lost || self.failsafes.ground_lost,
             clock_epoch_us: self.settings.clock_epoch_us,
         };

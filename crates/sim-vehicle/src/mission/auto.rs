@@ -100,6 +100,9 @@ impl Vehicle {
                 self.begin_item(&item);
             } else if self.is_leg_done() {
                 let seq = self.progress.current;
+                if item.command == TAKEOFF {
+                    self.takeoff_changes_fence();
+                }
                 self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
                 self.go_to(seq + 1);
             } else {
@@ -209,7 +212,7 @@ impl Vehicle {
     }
 
     /// Where an item is, (north, east) in m; without a place, here.
-    fn place_of(&self, item: &PlanItem) -> (f64, f64) {
+    pub(crate) fn place_of(&self, item: &PlanItem) -> (f64, f64) {
         if item.latitude_e7 == 0 && item.longitude_e7 == 0 {
             let state = self.flight.state();
             return (state.x_m, state.y_m);
@@ -224,7 +227,7 @@ impl Vehicle {
     }
 
     /// Its altitude above home, m: terrain is as high as home.
-    fn altitude_of(&self, item: &PlanItem) -> f64 {
+    pub(crate) fn altitude_of(&self, item: &PlanItem) -> f64 {
         let above_sea = matches!(item.frame, 0 | 5);
         let origin_m = if above_sea { self.settings.frame.origin().altitude_amsl_m } else { 0.0 };
         f64::from(item.z_m) - origin_m

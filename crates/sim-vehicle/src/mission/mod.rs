@@ -1,10 +1,8 @@
-//! Missions: what is kept, how it is uploaded and downloaded, and how AUTO flies it.
+//! Missions: what is kept, and how AUTO flies it.
 
 mod auto;
-mod transfer;
 
 pub(crate) use auto::Progress;
-pub(crate) use transfer::Upload;
 
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MavCmd, MavMissionResult};

@@ -5,114 +5,15 @@
 pub(crate) mod file;
 mod pace;
 mod service;
+mod table;
 
 pub(crate) use pace::Pace;
 pub(crate) use service::Listings;
+pub(crate) use table::{Effect, Parameter};
 
 use crate::VehicleSettings;
-use crate::flight::{TAKEOFF_ALTITUDE_M, Tuning};
+use crate::flight::Tuning;
 use mavlink_bridge::dialect::MavParamType;
-
-/// One parameter. The order is that of the list, and so of the indices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Parameter {
-    SystemId,
-    GroundSystemId,
-    RateExtendedStatus,
-    RatePosition,
-    RateExtra1,
-    RateExtra2,
-    RateExtra3,
-    AirspeedCruise,
-    AirspeedMin,
-    AirspeedMax,
-    RollLimit,
-    LoiterRadius,
-    WaypointRadius,
-    RtlRadius,
-    RtlAltitude,
-    TakeoffAltitude,
-    GroundFailsafe,
-    LongFailsafeAction,
-    LongFailsafeTimeout,
-    RunTime,
-}
-
-impl Parameter {
-    pub const COUNT: usize = 20;
-    pub const ALL: [Parameter; Self::COUNT] = [
-        Parameter::SystemId,
-        Parameter::GroundSystemId,
-        Parameter::RateExtendedStatus,
-        Parameter::RatePosition,
-        Parameter::RateExtra1,
-        Parameter::RateExtra2,
-        Parameter::RateExtra3,
-        Parameter::AirspeedCruise,
-        Parameter::AirspeedMin,
-        Parameter::AirspeedMax,
-        Parameter::RollLimit,
-        Parameter::LoiterRadius,
-        Parameter::WaypointRadius,
-        Parameter::RtlRadius,
-        Parameter::RtlAltitude,
-        Parameter::TakeoffAltitude,
-        Parameter::GroundFailsafe,
-        Parameter::LongFailsafeAction,
-        Parameter::LongFailsafeTimeout,
-        Parameter::RunTime,
-    ];
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|parameter| parameter.name() == name)
-    }
-
-    /// ArduPlane's name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Parameter::SystemId => "MAV_SYSID",
-            Parameter::GroundSystemId => "MAV_GCS_SYSID",
-            Parameter::RateExtendedStatus => "MAV1_EXT_STAT",
-            Parameter::RatePosition => "MAV1_POSITION",
-            Parameter::RateExtra1 => "MAV1_EXTRA1",
-            Parameter::RateExtra2 => "MAV1_EXTRA2",
-            Parameter::RateExtra3 => "MAV1_EXTRA3",
-            Parameter::AirspeedCruise => "AIRSPEED_CRUISE",
-            Parameter::AirspeedMin => "AIRSPEED_MIN",
-            Parameter::AirspeedMax => "AIRSPEED_MAX",
-            Parameter::RollLimit => "ROLL_LIMIT_DEG",
-            Parameter::LoiterRadius => "WP_LOITER_RAD",
-            Parameter::WaypointRadius => "WP_RADIUS",
-            Parameter::RtlRadius => "RTL_RADIUS",
-            Parameter::RtlAltitude => "RTL_ALTITUDE",
-            Parameter::TakeoffAltitude => "TKOFF_ALT",
-            Parameter::GroundFailsafe => "FS_GCS_ENABL",
-            Parameter::LongFailsafeAction => "FS_LONG_ACTN",
-            Parameter::LongFailsafeTimeout => "FS_LONG_TIMEOUT",
-            Parameter::RunTime => "STAT_RUNTIME",
-        }
-    }
-
-    /// The type that ArduPlane gives it; the speeds are real here, because a scenario's limits need not be whole.
-    pub fn kind(self) -> MavParamType {
-        match self {
-            Parameter::GroundFailsafe | Parameter::LongFailsafeAction => MavParamType::MAV_PARAM_TYPE_INT8,
-            Parameter::AirspeedCruise
-            | Parameter::AirspeedMin
-            | Parameter::AirspeedMax
-            | Parameter::RollLimit
-            | Parameter::RtlAltitude
-            | Parameter::TakeoffAltitude
-            | Parameter::LongFailsafeTimeout => MavParamType::MAV_PARAM_TYPE_REAL32,
-            Parameter::RunTime => MavParamType::MAV_PARAM_TYPE_INT32,
-            _ => MavParamType::MAV_PARAM_TYPE_INT16,
-        }
-    }
-
-    pub fn is_read_only(self) -> bool {
-        self == Parameter::RunTime
-    }
-}
 
 /// Why a value is not taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -142,17 +43,17 @@ impl Parameters {
     /// What the settings amount to.
     pub fn new(settings: &VehicleSettings) -> Self {
         let limits = settings.dynamics.limits;
-        let mut parameters = Self {
-            values: [0.0; Parameter::COUNT],
+        let mut values = [0.0; Parameter::COUNT];
+        for (value, parameter) in values.iter_mut().zip(Parameter::ALL) {
+            *value = (parameter.row().initial)(settings);
+        }
+        Self {
+            values,
             is_set: [false; Parameter::COUNT],
             speed_limits_mps: (limits.speed_min_mps as f32, limits.speed_max_mps as f32),
-            roll_limit_deg: libm::atan(limits.lateral_overload_max).to_degrees() as f32,
+            roll_limit_deg: Self::roll_limit_deg(settings),
             rate_max_hz: settings.fastest_hz().floor() as f32,
-        };
-        for parameter in Parameter::ALL {
-            parameters.values[parameter as usize] = parameters.initial(parameter, settings);
         }
-        parameters
     }
 
     pub fn get(&self, parameter: Parameter) -> f32 {
@@ -181,7 +82,7 @@ impl Parameters {
 
     /// What has been set, by name.
     pub fn kept(&self) -> impl Iterator<Item = (&'static str, f32)> {
-        let set = Parameter::ALL.into_iter().filter(|parameter| self.is_set[*parameter as usize]);
+        let set = Parameter::ALL.iter().copied().filter(|parameter| self.is_set[*parameter as usize]);
         set.map(|parameter| (parameter.name(), self.get(parameter)))
     }
 
@@ -201,57 +102,18 @@ impl Parameters {
         }
     }
 
-    fn initial(&self, parameter: Parameter, settings: &VehicleSettings) -> f32 {
-        let rates = settings.rates;
-        match parameter {
-            Parameter::SystemId => f32::from(settings.system_id),
-            Parameter::GroundSystemId => 255.0,
-            Parameter::RateExtendedStatus => rates.sys_status_hz.round() as f32,
-            // Two messages are behind it, which the settings can tell apart.
-            Parameter::RatePosition => rates.local_position_ned_hz.max(rates.global_position_int_hz).round() as f32,
-            Parameter::RateExtra1 => rates.attitude_hz.round() as f32,
-            Parameter::RateExtra2 => rates.vfr_hud_hz.round() as f32,
-            Parameter::RateExtra3 => rates.system_time_hz.round() as f32,
-            Parameter::AirspeedCruise => settings.start.speed_mps as f32,
-            Parameter::AirspeedMin => self.speed_limits_mps.0,
-            Parameter::AirspeedMax => self.speed_limits_mps.1,
-            Parameter::RollLimit => self.roll_limit_deg,
-            Parameter::LoiterRadius => settings.loiter_radius_m.round().min(f64::from(i16::MAX)) as f32,
-            // ArduPlane's 90 m would cut the corners of short legs.
-            Parameter::WaypointRadius => 15.0,
-            // ArduPlane's default climbs to 100 m; ours stays where it is.
-            Parameter::RtlAltitude => -1.0,
-            Parameter::TakeoffAltitude => TAKEOFF_ALTITUDE_M as f32,
-            Parameter::LongFailsafeTimeout => 5.0,
-            Parameter::RtlRadius | Parameter::GroundFailsafe | Parameter::LongFailsafeAction | Parameter::RunTime => {
-                0.0
-            }
-        }
+    /// The bank of the flight model's tightest turn, degrees.
+    fn roll_limit_deg(settings: &VehicleSettings) -> f32 {
+        libm::atan(settings.dynamics.limits.lateral_overload_max).to_degrees() as f32
+    }
+
+    /// The rates that a message can have, Hz.
+    fn rates_hz(&self) -> (f32, f32) {
+        (0.0, self.rate_max_hz)
     }
 
     fn range(&self, parameter: Parameter) -> (f32, f32) {
-        let (slowest, fastest) = self.speed_limits_mps;
-        let radius_most = f32::from(i16::MAX);
-        match parameter {
-            Parameter::SystemId => (1.0, 250.0),
-            Parameter::GroundSystemId => (1.0, 255.0),
-            Parameter::RateExtendedStatus
-            | Parameter::RatePosition
-            | Parameter::RateExtra1
-            | Parameter::RateExtra2
-            | Parameter::RateExtra3 => (0.0, self.rate_max_hz),
-            Parameter::AirspeedCruise => (self.get(Parameter::AirspeedMin), self.get(Parameter::AirspeedMax)),
-            Parameter::AirspeedMin => (slowest, self.get(Parameter::AirspeedCruise)),
-            Parameter::AirspeedMax => (self.get(Parameter::AirspeedCruise), fastest),
-            Parameter::RollLimit => (1.0, self.roll_limit_deg),
-            Parameter::LoiterRadius | Parameter::RtlRadius => (-radius_most, radius_most),
-            Parameter::WaypointRadius => (1.0, radius_most),
-            Parameter::RtlAltitude => (-1.0, 10_000.0),
-            Parameter::TakeoffAltitude => (0.0, 200.0),
-            Parameter::GroundFailsafe | Parameter::LongFailsafeAction => (0.0, 1.0),
-            Parameter::LongFailsafeTimeout => (1.0, 300.0),
-            Parameter::RunTime => (0.0, 0.0),
-        }
+        (parameter.row().range)(self)
     }
 }
 
@@ -265,7 +127,7 @@ mod tests {
 
     #[test]
     fn names_are_distinct_and_fit_the_wire() {
-        for (index, parameter) in Parameter::ALL.into_iter().enumerate() {
+        for (index, parameter) in Parameter::ALL.iter().copied().enumerate() {
             assert_eq!(parameter as usize, index);
             assert!(parameter.name().len() <= mavlink_bridge::PARAMETER_NAME_MAX);
             assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
@@ -276,7 +138,7 @@ mod tests {
     #[test]
     fn the_page_names_every_parameter() {
         let page = include_str!("../../../../docs/mavlink.md");
-        for parameter in Parameter::ALL {
+        for &parameter in Parameter::ALL {
             assert!(page.contains(parameter.name()), "docs/mavlink.md says nothing of {}", parameter.name());
         }
     }
@@ -284,7 +146,7 @@ mod tests {
     #[test]
     fn initial_values_are_in_range() {
         let parameters = parameters();
-        for parameter in Parameter::ALL {
+        for &parameter in Parameter::ALL {
             let (least, most) = parameters.range(parameter);
             assert!((least..=most).contains(&parameters.get(parameter)), "{}", parameter.name());
         }

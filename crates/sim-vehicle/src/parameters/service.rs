@@ -1,7 +1,7 @@
 //! The parameter protocol: what is asked, and how it is answered.
 
 use super::pace::PARAMETERS_AT_ONCE;
-use super::{Parameter, ParameterRefused};
+use super::{Effect, Parameter, ParameterRefused};
 use crate::streams::Stream;
 use crate::{PeerId, Vehicle};
 use mavlink_bridge::dialect::{MavParamError, MavSeverity, Message};
@@ -72,7 +72,7 @@ impl Vehicle {
             let Some(link) = self.links.of_peer(listing.peer) else { return false };
             while listing.due <= self.host_now && listing.next < Parameter::COUNT {
                 for (index, parameter) in
-                    Parameter::ALL.into_iter().enumerate().skip(listing.next).take(PARAMETERS_AT_ONCE)
+                    Parameter::ALL.iter().copied().enumerate().skip(listing.next).take(PARAMETERS_AT_ONCE)
                 {
                     self.send_parameter(link, parameter, u16::try_from(index).ok());
                 }
@@ -89,36 +89,16 @@ impl Vehicle {
         self.parameters.set(parameter, value)?;
         self.parameters_changed = true;
         let value = self.parameters.get(parameter);
-        match parameter {
-            Parameter::SystemId => {
+        match parameter.row().effect {
+            Effect::SystemId => {
                 // In range, so it fits.
                 self.settings.system_id = value as u8;
                 self.links.set_system_id(self.settings.system_id);
             }
-            Parameter::RateExtendedStatus => {
-                self.set_rates(&[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent], value)
-            }
-            Parameter::RatePosition => self.set_rates(&[Stream::LocalPositionNed, Stream::GlobalPositionInt], value),
-            Parameter::RateExtra1 => self.set_rates(&[Stream::Attitude], value),
-            Parameter::RateExtra2 => self.set_rates(&[Stream::VfrHud], value),
-            Parameter::RateExtra3 => self.set_rates(&[Stream::SystemTime], value),
-            Parameter::AirspeedCruise
-            | Parameter::TakeoffAltitude
-            | Parameter::RollLimit
-            | Parameter::LoiterRadius
-            | Parameter::RtlRadius
-            | Parameter::RtlAltitude => {
-                self.flight.retune(self.parameters.tuning(&self.settings));
-            }
-            // These are looked at where they count.
-            Parameter::GroundSystemId
-            | Parameter::AirspeedMin
-            | Parameter::WaypointRadius
-            | Parameter::AirspeedMax
-            | Parameter::GroundFailsafe
-            | Parameter::LongFailsafeAction
-            | Parameter::LongFailsafeTimeout
-            | Parameter::RunTime => {}
+            Effect::Rates(streams) => self.set_rates(streams, value),
+            Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
+            Effect::Fence => self.reconfigure_fence(parameter),
+            Effect::LookedUp | Effect::ReadOnly => {}
         }
         Ok(())
     }
@@ -159,6 +139,8 @@ impl Vehicle {
     fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
         let value = match parameter {
             Parameter::RunTime => self.time.as_secs() as f32,
+            Parameter::FenceTotal => self.fence.total() as f32,
+            Parameter::RallyTotal => self.rally.items.len() as f32,
             other => self.parameters.get(other),
         };
         parameter_value(parameter.name(), parameter.kind(), value, Parameter::COUNT as u16, index)

@@ -1,0 +1,115 @@
+//! Where to: a course, a circle or a place.
+
+use super::circle::Circle;
+use super::{Flight, TAKEOFF_TOLERANCE_M};
+use crate::Mode;
+use flight_model::wrap_pi;
+
+/// What sets the course.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Direction {
+    Course(f64),
+    Circle(Circle),
+    /// To a place, (north, east) in m.
+    Place((f64, f64)),
+}
+
+/// A place to return to instead of home.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RallyPlace {
+    /// (north, east) in m.
+    pub at: (f64, f64),
+    /// Altitude of the way there, m above the origin.
+    pub altitude_m: f64,
+}
+
+impl Flight {
+    /// Home, (north, east) in m.
+    pub fn home(&self) -> (f64, f64) {
+        (0.0, 0.0)
+    }
+
+    /// Where RTL will go when it is entered; none: home.
+    pub fn set_rally(&mut self, rally: Option<RallyPlace>) {
+        self.rally = rally;
+    }
+
+    /// In GUIDED, circles another place than where it was entered.
+    pub fn reposition(&mut self, place: (f64, f64), radius_m: f64) {
+        self.guided_point = place;
+        self.circle(place, radius_m);
+    }
+
+    /// Gives up the course setpoint and circles where GUIDED was entered.
+    pub fn release_course(&mut self) {
+        self.circle(self.guided_point, self.tuning.loiter_radius_m);
+    }
+
+    /// Flies to a place, (north, east) in m, and over it.
+    pub fn fly_to(&mut self, place: (f64, f64)) {
+        self.limit_lateral_acceleration(f64::INFINITY);
+        self.direction = Direction::Place(place);
+    }
+
+    /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.
+    pub fn circle_at(&mut self, centre: (f64, f64), radius_m: f64) -> f64 {
+        self.circle(centre, radius_m);
+        match self.direction {
+            Direction::Circle(circle) => circle.radius_m(),
+            _ => radius_m,
+        }
+    }
+
+    /// Straight on.
+    pub fn hold_course(&mut self) {
+        self.set_course(self.when_released().course_rad, f64::INFINITY);
+    }
+
+    /// The course setpoint of this moment, rad (any turn).
+    pub(super) fn guide_rad(&self) -> f64 {
+        match &self.direction {
+            Direction::Course(course_rad) => *course_rad,
+            Direction::Circle(circle) => circle.course_rad(&self.state),
+            Direction::Place(place) => self.course_to_rad(*place),
+        }
+    }
+
+    pub(super) fn circle(&mut self, centre: (f64, f64), radius_m: f64) {
+        self.limit_lateral_acceleration(f64::INFINITY);
+        let dynamics = self.limited_dynamics();
+        self.direction = Direction::Circle(Circle::new(centre, radius_m, &dynamics, self.autopilot.step_s()));
+    }
+
+    /// Whether TAKEOFF is at its altitude and circles.
+    pub fn has_taken_off(&self) -> bool {
+        self.mode == Mode::Takeoff && matches!(self.direction, Direction::Circle(_))
+    }
+
+    pub(super) fn circle_when_up(&mut self) {
+        let is_up = (self.state.altitude_m - self.altitude.target).abs() <= TAKEOFF_TOLERANCE_M;
+        if is_up && matches!(self.direction, Direction::Course(_)) {
+            self.circle((self.state.x_m, self.state.y_m), self.tuning.loiter_radius_m);
+        }
+    }
+
+    /// The course to a place. The course loop lags by its time constant behind a bearing that turns, which is fed forward:
+    /// so the vehicle flies over the place and not past it. One that is too near to turn to would be circled for ever:
+    /// the vehicle first flies away.
+    fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
+        const AHEAD_RAD: f64 = 1.0;
+        let (north, east) = (x_m - self.state.x_m, y_m - self.state.y_m);
+        let distance_m = (north * north + east * east).sqrt();
+        if distance_m < 1e-6 {
+            return self.state.course_rad;
+        }
+        let speed_mps = self.state.speed_mps;
+        let lag_m = speed_mps * self.dynamics.time_constants.course_s;
+        let tightest_m = speed_mps * speed_mps / self.limited_dynamics().limits.lateral_acceleration_max_mps2();
+        let bearing_rad = libm::atan2(east, north);
+        let off_rad = wrap_pi(bearing_rad - self.state.course_rad);
+        if off_rad.abs() > AHEAD_RAD && distance_m < 4.0 * lag_m.max(tightest_m) {
+            return self.state.course_rad;
+        }
+        bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)
+    }
+}

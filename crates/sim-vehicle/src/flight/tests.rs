@@ -1,0 +1,112 @@
+use super::*;
+
+fn settings() -> VehicleSettings {
+    let start = State { x_m: 5.0, y_m: -3.0, altitude_m: 50.0, speed_mps: 10.0, course_rad: 0.3, climb_mps: 0.0 };
+    VehicleSettings { start, ..VehicleSettings::default() }
+}
+
+fn fly(flight: &mut Flight, seconds: f64) -> State {
+    for _ in 0..(seconds * 100.0).round() as usize {
+        flight.step();
+    }
+    *flight.state()
+}
+
+fn from_centre(state: &State, (x, y): (f64, f64)) -> f64 {
+    ((state.x_m - x) * (state.x_m - x) + (state.y_m - y) * (state.y_m - y)).sqrt()
+}
+
+#[test]
+fn armed_it_holds_its_start() {
+    let mut flight = Flight::new(&settings());
+    let end = fly(&mut flight, 10.0);
+    assert!((end.x_m - (5.0 + 100.0 * libm::cos(0.3))).abs() < 1e-9);
+    assert!((end.y_m - (-3.0 + 100.0 * libm::sin(0.3))).abs() < 1e-9);
+    assert_eq!((end.speed_mps, end.course_rad, end.altitude_m), (10.0, 0.3, 50.0));
+}
+
+#[test]
+fn disarmed_it_waits_on_the_rail() {
+    let mut flight = Flight::new(&VehicleSettings { armed: false, ..settings() });
+    let waiting = fly(&mut flight, 5.0);
+    assert_eq!((waiting.x_m, waiting.y_m, waiting.speed_mps), (5.0, -3.0, 0.0));
+    flight.arm();
+    assert_eq!(*flight.state(), settings().start);
+    assert!(from_centre(&fly(&mut flight, 1.0), (5.0, -3.0)) > 9.99);
+}
+
+#[test]
+fn a_ramp_asked_for_on_the_rail_begins_at_the_release() {
+    let mut flight = Flight::new(&VehicleSettings { armed: false, ..settings() });
+    flight.set_speed(14.0, 0.5);
+    fly(&mut flight, 5.0);
+    flight.arm();
+    let speed_mps = fly(&mut flight, 2.0).speed_mps;
+    assert!(speed_mps > 10.0 && speed_mps < 11.0, "{speed_mps}");
+}
+
+#[test]
+fn a_lateral_limit_is_a_ramp_then_the_closed_form() {
+    let mut flight = Flight::new(&settings());
+    flight.set_course(1.3, 5.0); // 0.5 rad/s at 10 m/s, left at an error of 0.375 rad
+    let end = fly(&mut flight, 3.0);
+    let expected = 1.3 - 0.375 * libm::exp(-(3.0 - 1.25) / 0.75);
+    assert!((end.course_rad - expected).abs() < 1e-9);
+    assert!((flight.course_rate_radps() - 0.5 * libm::exp(-1.75 / 0.75)).abs() < 0.01);
+}
+
+#[test]
+fn ramps_hold_their_rates() {
+    let mut flight = Flight::new(&settings());
+    flight.set_speed(14.0, 0.5);
+    flight.set_altitude(60.0, 1.0);
+    // Behind a ramp a loop lags by its time constant(s): 1 s for speed, 1/3 + 3 s for altitude.
+    let end = fly(&mut flight, 7.0);
+    assert!((end.speed_mps - (10.0 + 0.5 * (7.0 - 1.0 * (1.0 - libm::exp(-7.0))))).abs() < 0.01);
+    let later = fly(&mut flight, 1.0);
+    assert!((later.climb_mps - 1.0).abs() < 0.1);
+    let end = fly(&mut flight, 30.0);
+    assert!((end.speed_mps - 14.0).abs() < 1e-6 && (end.altitude_m - 60.0).abs() < 1e-2);
+}
+
+#[test]
+fn loiter_circles_where_it_was_entered() {
+    let mut flight = Flight::new(&settings());
+    fly(&mut flight, 3.0);
+    let entry = *flight.state();
+    flight.set_mode(Mode::Loiter);
+    for _ in 0..100 {
+        let state = fly(&mut flight, 1.0);
+        assert_eq!(state.altitude_m, entry.altitude_m);
+        assert!(from_centre(&state, (entry.x_m, entry.y_m)) < 60.6);
+    }
+    assert!((from_centre(flight.state(), (entry.x_m, entry.y_m)) - 60.0).abs() < 0.05);
+}
+
+#[test]
+fn rtl_circles_home() {
+    let mut flight = Flight::new(&settings());
+    fly(&mut flight, 60.0);
+    flight.set_mode(Mode::Rtl);
+    let end = fly(&mut flight, 150.0);
+    assert!((from_centre(&end, (0.0, 0.0)) - 60.0).abs() < 0.05);
+}
+
+#[test]
+fn guided_again_circles_and_forgets_old_setpoints() {
+    let mut flight = Flight::new(&settings());
+    flight.set_course(1.0, 0.05);
+    flight.set_mode(Mode::Cruise);
+    fly(&mut flight, 1.0);
+    flight.set_mode(Mode::Guided);
+    let entry = *flight.state();
+    let end = fly(&mut flight, 120.0);
+    assert!((from_centre(&end, (entry.x_m, entry.y_m)) - 60.0).abs() < 0.05);
+    flight.set_course(0.0, f64::INFINITY);
+    assert!(fly(&mut flight, 10.0).course_rad.abs() < 1e-4);
+    flight.set_mode(Mode::Guided); // a repeat changes nothing
+    assert!(fly(&mut flight, 1.0).course_rad.abs() < 1e-4);
+    flight.release_course();
+    let end = fly(&mut flight, 200.0);
+    assert!((from_centre(&end, (entry.x_m, entry.y_m)) - 60.0).abs() < 0.05);
+}

@@ -1,0 +1,143 @@
+//! The list of parameters: one row for each, in the order of their indices.
+
+use super::Parameters;
+use crate::VehicleSettings;
+use crate::flight::TAKEOFF_ALTITUDE_M;
+use crate::streams::Stream;
+use mavlink_bridge::dialect::MavParamType;
+use mavlink_bridge::dialect::MavParamType::{
+    MAV_PARAM_TYPE_INT8 as INT8, MAV_PARAM_TYPE_INT16 as INT16, MAV_PARAM_TYPE_INT32 as INT32,
+    MAV_PARAM_TYPE_REAL32 as REAL,
+};
+
+/// What is known of a parameter before it has a value.
+pub(crate) struct Row {
+    /// ArduPlane's name.
+    pub name: &'static str,
+    /// The type that ArduPlane gives it; the speeds are real here, because a scenario's limits need not be whole.
+    pub kind: MavParamType,
+    /// What it is before anybody sets it.
+    pub initial: fn(&VehicleSettings) -> f32,
+    /// Least and greatest value.
+    pub range: fn(&Parameters) -> (f32, f32),
+    pub effect: Effect,
+}
+
+/// What a new value changes at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effect {
+    /// Nothing: it is looked at where it counts.
+    LookedUp,
+    /// Nothing can: it is only read.
+    ReadOnly,
+    /// The way the vehicle flies.
+    Tuning,
+    /// How often these messages come.
+    Rates(&'static [Stream]),
+    /// Who the vehicle is.
+    SystemId,
+    /// Which fences are enabled.
+    Fence,
+}
+
+/// A row is: who it is in the code, its name, its type, its initial value, its range, its effect.
+macro_rules! parameters {
+    ($($parameter:ident: $name:literal, $kind:ident, $initial:expr, $range:expr, $effect:expr;)*) => {
+        /// One parameter. The order is that of the list, and so of the indices.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Parameter {
+            $($parameter),*
+        }
+
+        impl Parameter {
+            pub const ALL: &[Parameter] = &[$(Parameter::$parameter),*];
+            pub const COUNT: usize = Self::ALL.len();
+        }
+
+        const ROWS: [Row; Parameter::COUNT] =
+            [$(Row { name: $name, kind: $kind, initial: $initial, range: $range, effect: $effect }),*];
+    };
+}
+
+parameters! {
+    SystemId: "MAV_SYSID", INT16, |s| f32::from(s.system_id), |_| (1.0, 250.0), Effect::SystemId;
+    GroundSystemId: "MAV_GCS_SYSID", INT16, |_| 255.0, |_| (1.0, 255.0), Effect::LookedUp;
+
+    RateExtendedStatus: "MAV1_EXT_STAT", INT16, |s| s.rates.sys_status_hz.round() as f32, Parameters::rates_hz,
+        Effect::Rates(&[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent]);
+    // Two messages are behind it, which the settings can tell apart.
+    RatePosition: "MAV1_POSITION", INT16,
+        |s| s.rates.local_position_ned_hz.max(s.rates.global_position_int_hz).round() as f32, Parameters::rates_hz,
+        Effect::Rates(&[Stream::LocalPositionNed, Stream::GlobalPositionInt]);
+    RateExtra1: "MAV1_EXTRA1", INT16, |s| s.rates.attitude_hz.round() as f32, Parameters::rates_hz,
+        Effect::Rates(&[Stream::Attitude]);
+    RateExtra2: "MAV1_EXTRA2", INT16, |s| s.rates.vfr_hud_hz.round() as f32, Parameters::rates_hz,
+        Effect::Rates(&[Stream::VfrHud]);
+    RateExtra3: "MAV1_EXTRA3", INT16, |s| s.rates.system_time_hz.round() as f32, Parameters::rates_hz,
+        Effect::Rates(&[Stream::SystemTime]);
+
+    AirspeedCruise: "AIRSPEED_CRUISE", REAL, |s| s.start.speed_mps as f32,
+        |p| (p.get(Parameter::AirspeedMin), p.get(Parameter::AirspeedMax)), Effect::Tuning;
+    AirspeedMin: "AIRSPEED_MIN", REAL, |s| s.dynamics.limits.speed_min_mps as f32,
+        |p| (p.speed_limits_mps.0, p.get(Parameter::AirspeedCruise)), Effect::LookedUp;
+    AirspeedMax: "AIRSPEED_MAX", REAL, |s| s.dynamics.limits.speed_max_mps as f32,
+        |p| (p.get(Parameter::AirspeedCruise), p.speed_limits_mps.1), Effect::LookedUp;
+    RollLimit: "ROLL_LIMIT_DEG", REAL, Parameters::roll_limit_deg, |p| (1.0, p.roll_limit_deg), Effect::Tuning;
+
+    LoiterRadius: "WP_LOITER_RAD", INT16, |s| s.loiter_radius_m.round().min(f64::from(RADIUS_MAX_M)) as f32,
+        |_| (-RADIUS_MAX_M, RADIUS_MAX_M), Effect::Tuning;
+    // ArduPlane's 90 m would cut the corners of short legs.
+    WaypointRadius: "WP_RADIUS", INT16, |_| 15.0, |_| (1.0, RADIUS_MAX_M), Effect::LookedUp;
+    RtlRadius: "RTL_RADIUS", INT16, |_| 0.0, |_| (-RADIUS_MAX_M, RADIUS_MAX_M), Effect::Tuning;
+    // ArduPlane's default climbs to 100 m; ours stays where it is.
+    RtlAltitude: "RTL_ALTITUDE", REAL, |_| -1.0, |_| (-1.0, 10_000.0), Effect::Tuning;
+    TakeoffAltitude: "TKOFF_ALT", REAL, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
+
+    GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    LongFailsafeAction: "FS_LONG_ACTN", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    LongFailsafeTimeout: "FS_LONG_TIMEOUT", REAL, |_| 5.0, |_| (1.0, 300.0), Effect::LookedUp;
+
+    FenceEnable: "FENCE_ENABLE", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::Fence;
+    FenceType: "FENCE_TYPE", INT8, |_| 4.0, |_| (0.0, 15.0), Effect::Fence;
+    FenceAction: "FENCE_ACTION", INT8, |_| 1.0, |_| (0.0, 8.0), Effect::LookedUp;
+    FenceAltitudeMax: "FENCE_ALT_MAX", REAL, |_| 100.0, |_| (0.0, 10_000.0), Effect::LookedUp;
+    FenceRadius: "FENCE_RADIUS", REAL, |_| 300.0, |_| (0.0, 1e6), Effect::LookedUp;
+    FenceMargin: "FENCE_MARGIN", REAL, |_| 2.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    FenceTotal: "FENCE_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    FenceAltitudeMin: "FENCE_ALT_MIN", REAL, |_| -10.0, |_| (-100.0, 10_000.0), Effect::LookedUp;
+    FenceReturnToRally: "FENCE_RET_RALLY", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    FenceReturnAltitude: "FENCE_RET_ALT", INT16, |_| 0.0, |_| (0.0, f32::from(i16::MAX)), Effect::LookedUp;
+    FenceAutoEnable: "FENCE_AUTOENABLE", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::Fence;
+    FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 3.0), Effect::LookedUp;
+    RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    RallyLimit: "RALLY_LIMIT_KM", REAL, |_| 5.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+
+    RunTime: "STAT_RUNTIME", INT32, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+}
+
+/// Radii are whole metres of 16 bits.
+const RADIUS_MAX_M: f32 = i16::MAX as f32;
+
+impl Parameter {
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|parameter| parameter.name() == name)
+    }
+
+    pub fn row(self) -> &'static Row {
+        &ROWS[self as usize]
+    }
+
+    /// ArduPlane's name.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    pub fn kind(self) -> MavParamType {
+        self.row().kind
+    }
+
+    pub fn is_read_only(self) -> bool {
+        self.row().effect == Effect::ReadOnly
+    }
+}
