@@ -24,12 +24,14 @@ ARMED = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
 def name_of(enum, value):
     """The enumeration's own word without its first part: MAV_RESULT_DENIED is DENIED; else the number."""
     entry = mavlink.enums[enum].get(value)
-    prefix = {"MAV_CMD": "MAV_CMD_", "MAV_RESULT": "MAV_RESULT_", "MAV_MISSION_RESULT": "MAV_MISSION_"}.get(enum, enum + "_")
+    prefix = {"MAV_CMD": "MAV_CMD_", "MAV_RESULT": "MAV_RESULT_", "MAV_MISSION_RESULT": "MAV_MISSION_"}.get(
+        enum, enum + "_"
+    )
     return entry.name.removeprefix(prefix) if entry and entry.name != f"{enum}_ENUM_END" else str(value)
 
 
 class Conversation:
-    """One ground station's talk with one vehicle. Its clock is the vehicle's heartbeat, of which there is one a second."""
+    """One ground station's talk with one vehicle. Its clock is the vehicle's heartbeat, one a second."""
 
     def __init__(self, link, system=1, component=1):
         self.link, self.system, self.component = link, system, component
@@ -46,7 +48,9 @@ class Conversation:
 
     def long(self, command, *params, system=None, component=None):
         params = [*params, *[0] * (7 - len(params))]
-        self.mav.command_long_send(self.to(system), self.component if component is None else component, command, 0, *params)
+        self.mav.command_long_send(
+            self.to(system), self.component if component is None else component, command, 0, *params
+        )
 
     def int(self, command, p1=0, p2=0, p3=0, p4=0, x=0, y=0, z=0, frame=RELATIVE, system=None, component=None):
         component = self.component if component is None else component
@@ -98,8 +102,11 @@ class Conversation:
 
     @contextmanager
     def step(self, name, until=None, beats=120, also=()):
-        """What is sent inside is one step. It ends after a question of ours has been answered, with the next heartbeat; with
-        `until`, when that holds, and after `beats` heartbeats at the latest. `also` are message kinds that count as answers."""
+        """What is sent inside is one step. It ends after a question of ours has been answered, with the next heartbeats.
+
+        With `until` it ends when that holds, and after `beats` heartbeats at the latest. Of the messages of the kinds in
+        `also` it counts whether they come.
+        """
         assert name not in self.steps, name
         self.forget()
         self.also = also
@@ -107,12 +114,18 @@ class Conversation:
         self.settle()
         if until is not None:
             self.wait_for(until, beats)
-        record = {"answers": self.answers, "states": self.states, "progress": self.progress, "warned": self.warned}
+        record = {
+            "answers": self.answers,
+            "comes": sorted(self.came),
+            "states": self.states,
+            "progress": self.progress,
+            "warned": self.warned,
+        }
         self.steps[name] = {key: value for key, value in record.items() if value}
         self.forget()
 
     def forget(self):
-        self.answers, self.states, self.progress, self.warned = [], [], [], False
+        self.answers, self.came, self.states, self.progress, self.warned = [], set(), [], [], False
         self.asked, self.also = set(), ()
 
     def settle(self):
@@ -160,8 +173,8 @@ class Conversation:
         listener = getattr(self, f"on_{kind.lower()}", None)
         if listener is not None:
             listener(message)
-        elif kind in self.also and kind not in self.answers:
-            self.answers.append(kind)
+        elif kind in self.also:
+            self.came.add(kind)
 
     def on_heartbeat(self, beat):
         self.beats += 1
@@ -178,7 +191,9 @@ class Conversation:
         self.answers.append(f"{name_of('MAV_CMD', ack.command)} {name_of('MAV_RESULT', ack.result)}")
 
     def on_mission_ack(self, ack):
-        self.answers.append(f"{PLANS.get(ack.mission_type, ack.mission_type)} {name_of('MAV_MISSION_RESULT', ack.type)}")
+        self.answers.append(
+            f"{PLANS.get(ack.mission_type, ack.mission_type)} {name_of('MAV_MISSION_RESULT', ack.type)}"
+        )
 
     def on_mission_count(self, count):
         self.answers.append(f"{PLANS[count.mission_type]} count {count.count}")
@@ -197,10 +212,11 @@ class Conversation:
         lat, lon = self.home
         north_m = (item.x / 1e7 - lat) * METRES_PER_DEGREE
         east_m = (item.y / 1e7 - lon) * METRES_PER_DEGREE * math.cos(math.radians(lat))
-        where = f"{north_m:.0f} {east_m:.0f}" if item.x or item.y else "nowhere"
-        # Item 0 is home, wherever that is.
-        body = f"{name_of('MAV_CMD', item.command)} frame {item.frame}, {params}, {where}, {item.z:.0f}"
-        self.answers.append(f"{PLANS[item.mission_type]} {item.seq}: {'home' if item.seq == 0 and item.mission_type == MISSION else body}")
+        where = f"{round(north_m)} {round(east_m)}" if item.x or item.y else "nowhere"
+        body = f"{name_of('MAV_CMD', item.command)} frame {item.frame}, {params}, {where}, {round(item.z)}"
+        if item.seq == 0 and item.mission_type == MISSION:
+            body = "home"
+        self.answers.append(f"{PLANS[item.mission_type]} {item.seq}: {body}")
 
     def on_mission_current(self, current):
         if current.seq != self.last_current:

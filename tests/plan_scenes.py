@@ -1,8 +1,8 @@
 """The scenes of plans: missions, fences and rally points, and whole flights along them."""
 
+from command_scenes import AUTO, FRAMES, GUIDED, LOITER, MANUAL, WAYPOINT
 from differential import FENCE, MISSION, RALLY, scene
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
-from scenes import AUTO, FRAMES, GUIDED, LOITER, MANUAL, WAYPOINT
 
 TAKEOFF, LAND, RETURN, JUMP = (
     mavlink.MAV_CMD_NAV_TAKEOFF,
@@ -290,17 +290,20 @@ def home_by_rtl(talk):
 
 @scene
 def fence_breach(talk):
-    for name, value in (("FENCE_ACTION", 1), ("FENCE_AUTOENABLE", 0)):
+    # Only the polygon, whose breach means RTL.
+    for name, value in (("FENCE_ACTION", 1), ("FENCE_AUTOENABLE", 0), ("FENCE_TYPE", 4)):
         talk.set(name, value)
         talk.settle()
-    upload(talk, "a circle to keep in", [talk.item(INSIDE, 0, 0, 0, p1=350)], FENCE)
+    upload(talk, "a polygon", polygon(talk), FENCE)
     talk.take_off()
     with talk.step("enabled"):
         talk.long(mavlink.MAV_CMD_DO_FENCE_ENABLE, 1)
     with talk.step("to GUIDED"):
         talk.mode(GUIDED)
-    with talk.step("out of it", until=talk.in_mode(11), beats=120):
+    with talk.step("a place outside"):
         talk.int(mavlink.MAV_CMD_DO_REPOSITION, -1, 0, 0, 0, *talk.place(900, 0), 60)
+    with talk.step("a course out of it", until=talk.in_mode(11), beats=120):
+        talk.int(mavlink.MAV_CMD_GUIDED_CHANGE_HEADING, 0, 0, 20)
     with talk.step("to GUIDED while outside"):
         talk.mode(GUIDED)
 

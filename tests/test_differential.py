@@ -16,7 +16,9 @@ from pathlib import Path
 
 os.environ["MAVLINK20"] = "1"  # pymavlink reads it when it is imported
 
-import plan_scenes  # noqa: F401, the scenes register themselves
+# The scenes register themselves.
+import command_scenes  # noqa: F401
+import plan_scenes  # noqa: F401
 import pytest
 import scenes  # noqa: F401
 from differences import KNOWN
@@ -33,11 +35,28 @@ SPEED = 10
 def real_arduplane(folder):
     """Starts the real one in a folder of its own, and gives a connection to it."""
     link = mavutil.mavlink_connection("udpin:127.0.0.1:0", source_system=255, source_component=190)
-    program, defaults = (Path(os.environ[name]).resolve() for name in ("COLUMBA_ARDUPLANE", "COLUMBA_ARDUPLANE_DEFAULTS"))
-    command = [program, "--model", "plane", "--speedup", SPEED, "--sysid", 1, "--home", HOME, "--defaults", defaults, "--wipe"]
+    program, defaults = (
+        Path(os.environ[name]).resolve() for name in ("COLUMBA_ARDUPLANE", "COLUMBA_ARDUPLANE_DEFAULTS")
+    )
+    command = [
+        program,
+        "--model",
+        "plane",
+        "--speedup",
+        SPEED,
+        "--sysid",
+        1,
+        "--home",
+        HOME,
+        "--defaults",
+        defaults,
+        "--wipe",
+    ]
     command += ["--serial0", f"udpclient:127.0.0.1:{link.port.getsockname()[1]}"]
     with open(Path(folder) / "log", "w") as log:
-        process = subprocess.Popen([str(word) for word in command], cwd=folder, stdout=log, stderr=log, stdin=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            [str(word) for word in command], cwd=folder, stdout=log, stderr=log, stdin=subprocess.DEVNULL
+        )
         try:
             yield link
         finally:
@@ -85,8 +104,10 @@ def ours(start_vehicles, scenario):
     """What our vehicle answers in a scene."""
 
     def answers(name):
-        vehicles = start_vehicles(scenario(on_ground=True), "--speed", SPEED)
-        link = mavutil.mavlink_connection(f"udpout:{vehicles.rows[0]['address']}", source_system=255, source_component=190)
+        vehicles = start_vehicles(scenario(on_ground=True, setpoint_timeout_s=0), "--speed", SPEED)
+        link = mavutil.mavlink_connection(
+            f"udpout:{vehicles.rows[0]['address']}", source_system=255, source_component=190
+        )
         link.mav.heartbeat_send(6, 8, 0, 0, 0)
         try:
             return play(name, link)
