@@ -1,7 +1,7 @@
 """Arming and disarming."""
 
 import pytest
-from ground import ACCEPTED, FAILED
+from ground import ACCEPTED, FAILED, RTL
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 FORCE = 21196
@@ -43,9 +43,30 @@ def test_arming_twice_changes_nothing(craft):
     assert last.x_m - first.x_m == pytest.approx(10 * (last.t_s - first.t_s), abs=1e-2)
 
 
-@pytest.mark.parametrize("force", [0, FORCE])
-def test_in_the_air_it_is_not_disarmed_even_by_force(craft, force):
-    assert arm(craft, 0, force) == FAILED
+def test_in_the_air_it_is_not_disarmed(craft):
+    assert arm(craft, 0) == FAILED
     assert craft.text().severity == mavlink.MAV_SEVERITY_WARNING
     assert craft.wait(["HEARTBEAT"]).base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
     assert craft.sample().speed_mps == pytest.approx(10, abs=1e-3)
+
+
+def test_by_force_it_is_disarmed_in_the_air_and_glides(craft):
+    assert arm(craft, 0, FORCE) == ACCEPTED
+    assert not craft.wait(["HEARTBEAT"]).base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+    *_, last = craft.samples(12)
+    assert (last.speed_mps, last.climb_mps) == pytest.approx((5, -0.5), abs=0.02)
+    assert arm(craft) == ACCEPTED
+    *_, last = craft.samples(12)
+    assert (last.speed_mps, last.altitude_m) == pytest.approx((10, 50), abs=0.5)
+
+
+def test_in_rtl_it_is_not_armed(waiting):
+    assert waiting.set_mode(RTL) == ACCEPTED
+    assert arm(waiting) == FAILED
+    assert waiting.text().text == "Arm: RTL mode not armable"
+    assert waiting.command_long(mavlink.MAV_CMD_RUN_PREARM_CHECKS) == ACCEPTED
+    assert waiting.text().text == "PreArm: RTL mode not armable"
+    status = waiting.wait(["SYS_STATUS"])
+    assert not status.onboard_control_sensors_health & mavlink.MAV_SYS_STATUS_PREARM_CHECK
+    assert arm(waiting, 1, FORCE) == ACCEPTED
+    assert waiting.command_long(mavlink.MAV_CMD_RUN_PREARM_CHECKS) == mavlink.MAV_RESULT_TEMPORARILY_REJECTED

@@ -74,7 +74,7 @@ def test_ten_items_are_flown_and_reached_within_their_radius(start_vehicles, sce
 @pytest.mark.parametrize(
     ("bad", "code"),
     [
-        (item(mavlink.MAV_CMD_NAV_LAND), mavlink.MAV_MISSION_UNSUPPORTED),
+        (item(mavlink.MAV_CMD_NAV_SPLINE_WAYPOINT), mavlink.MAV_MISSION_UNSUPPORTED),
         (item(WAYPOINT, frame=mavlink.MAV_FRAME_LOCAL_NED), mavlink.MAV_MISSION_UNSUPPORTED_FRAME),
         (item(WAYPOINT, p1=math.nan), mavlink.MAV_MISSION_INVALID_PARAM1),
         (item(WAYPOINT, altitude_m=math.nan), mavlink.MAV_MISSION_INVALID_PARAM7),

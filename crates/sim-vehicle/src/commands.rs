@@ -1,9 +1,8 @@
 //! What COMMAND_LONG and COMMAND_INT make the vehicle do, accepted and refused as ArduPlane does.
 //!
 //! Where it differs: param 3 of GUIDED_CHANGE_ALTITUDE is the rate of climb that it is documented to be (broken in
-//! ArduPlane since 4.6); terrain is as high as home; the air is still, so that a heading is a course and an airspeed a
-//! ground speed; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; of the params that a command reads, one that is
-//! not a finite number is DENIED; and a vehicle in flight cannot be disarmed, not even by force.
+//! ArduPlane since 4.6); terrain is as high as home; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; and of the params
+//! that a command reads, one that is not a finite number is DENIED.
 
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
@@ -22,6 +21,8 @@ pub(crate) struct Command {
     pub params: [f32; 4],
     /// Latitude and longitude of COMMAND_INT, 1e-7 degrees.
     pub place_e7: Option<(i32, i32)>,
+    /// Params 5 and 6 of COMMAND_LONG.
+    place: [f32; 2],
     /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
     pub z: f32,
     pub frame: MavFrame,
@@ -41,9 +42,13 @@ impl From<&COMMAND_LONG_DATA> for Command {
             command: data.command,
             params: [data.param1, data.param2, data.param3, data.param4],
             place_e7: None,
+            place: [data.param5, data.param6],
             z: data.param7,
-            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home.
-            frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
+            frame: match data.command {
+                MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
+                _ => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+            },
         }
     }
 }
@@ -54,6 +59,7 @@ impl From<&COMMAND_INT_DATA> for Command {
             command: data.command,
             params: [data.param1, data.param2, data.param3, data.param4],
             place_e7: Some((data.x, data.y)),
+            place: [0.0; 2],
             z: data.z,
             frame: data.frame,
         }
@@ -69,9 +75,19 @@ impl Command {
             command: MavCmd::MAV_CMD_DO_SET_MODE,
             params: [f32::from(base_mode), custom_mode as f32, 0.0, 0.0],
             place_e7: None,
+            place: [0.0; 2],
             z: 0.0,
             frame: MavFrame::MAV_FRAME_GLOBAL,
         }
+    }
+}
+
+impl Command {
+    /// Latitude and longitude, 1e-7 degrees, whichever message carried them. A cast of what is too large takes the bound,
+    /// which is no place, and of what is no number, 0.
+    pub fn position_e7(&self) -> (i32, i32) {
+        let [latitude_e7, longitude_e7] = self.place.map(|degrees| (f64::from(degrees) * 1e7) as i32);
+        self.place_e7.unwrap_or((latitude_e7, longitude_e7))
     }
 }
 
@@ -113,6 +129,11 @@ fn limit_or_none(limit: f32) -> f64 {
     if limit == 0.0 { f64::INFINITY } else { f64::from(limit.abs()) }
 }
 
+/// A direction in degrees, in rad.
+fn angle_rad(degrees: f32) -> f64 {
+    flight_model::wrap_pi(f64::from(degrees).to_radians())
+}
+
 fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
     if values.iter().all(|value| value.is_finite()) {
         Ok(())
@@ -126,14 +147,20 @@ impl Vehicle {
     pub(crate) fn execute(&mut self, command: &Command, link: usize) -> Result<(), Refusal> {
         let [p1, p2, p3, _] = command.params;
         match command.command {
-            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm(p1),
+            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm([p1, p2]),
+            MavCmd::MAV_CMD_RUN_PREARM_CHECKS => self.run_prearm_checks(),
+            MavCmd::MAV_CMD_DO_SET_HOME => self.do_set_home(command),
             MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
             MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.enter(Mode::Loiter),
             MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.enter(Mode::Rtl),
             MavCmd::MAV_CMD_MISSION_START => self.start_mission([p1, p2]),
+            MavCmd::MAV_CMD_DO_LAND_START => self.start_landing(),
+            MavCmd::MAV_CMD_DO_RETURN_PATH_START => self.start_return_path(),
+            MavCmd::MAV_CMD_DO_GO_AROUND => self.go_around(p1),
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
             MavCmd::MAV_CMD_DO_FENCE_ENABLE => self.enable_fence([p1, p2]),
-            MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: it starts in the air")),
+            // ArduPlane takes it for quadplanes alone.
+            MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
             MavCmd::MAV_CMD_DO_REPOSITION => self.reposition(command),
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
             MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => self.guided_altitude(p3, command.z, command.frame),
@@ -150,24 +177,6 @@ impl Vehicle {
                 Ok(())
             }
             _ => Err(Refusal::unsupported()),
-        }
-    }
-
-    fn arm_or_disarm(&mut self, p1: f32) -> Result<(), Refusal> {
-        if p1 == 1.0 {
-            if !self.flight.is_armed() {
-                if let Some(reason) = self.fence_forbids_arming() {
-                    return Err(Refusal::failed(format!("Arm: {reason}")));
-                }
-                self.flight.arm();
-                self.arming_changes_fence();
-                self.restart_setpoint_timeout();
-            }
-            Ok(())
-        } else if p1 == 0.0 {
-            if self.flight.is_armed() { Err(Refusal::failed("Disarm: it is flying")) } else { Ok(()) }
-        } else {
-            Err(Refusal::unsupported())
         }
     }
 
@@ -246,18 +255,23 @@ impl Vehicle {
     fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: MavFrame) -> Result<(), Refusal> {
         self.check_guided_command("Altitude")?;
         check_finite("Altitude", &[rate_mps])?;
-        let altitude_m = self.altitude_above_home("Altitude", z, frame)?;
+        let altitude_m = self.guided_altitude_m("Altitude", z, frame)?;
         self.flight.set_altitude(altitude_m, limit_or_none(rate_mps));
         self.restart_setpoint_timeout();
         Ok(())
     }
 
-    /// An altitude that a command gives, in m above home: terrain is as high as home.
-    pub(crate) fn altitude_above_home(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+    /// An altitude of a guided command, in m above the origin.
+    pub(crate) fn guided_altitude_m(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
         check_finite(name, &[z])?;
         if z == 0.0 || z == -1.0 {
             return Err(Refusal::denied(format!("{name}: {z} m is not accepted")));
         }
+        self.altitude_m(name, z, frame)
+    }
+
+    /// An altitude that a command gives, in m above the origin: terrain is as high as home.
+    pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
         match frame {
             MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => {
                 Ok(f64::from(z) - self.settings.frame.origin().altitude_amsl_m)
@@ -265,7 +279,7 @@ impl Vehicle {
             MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT
             | MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
             | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT
-            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => Ok(f64::from(z)),
+            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => Ok(self.flight.home().altitude_m + f64::from(z)),
             other => Err(Refusal::denied(format!("{name}: frame {} is not accepted", other as u32))),
         }
     }
@@ -279,10 +293,8 @@ impl Vehicle {
             return Err(Refusal::denied(format!("Heading {course_deg} is outside [0, 360)")));
         }
         match integer(kind) {
-            0 | 1 => {
-                let course_rad = flight_model::wrap_pi(f64::from(course_deg).to_radians());
-                self.flight.set_course(course_rad, f64::from(lateral_mps2).max(0.05));
-            }
+            0 => self.flight.set_course(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
+            1 => self.flight.set_heading(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
             2 => self.flight.release_course(),
             other => return Err(Refusal::denied(format!("Heading: type {other} is not accepted"))),
         }

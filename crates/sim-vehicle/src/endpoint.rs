@@ -1,6 +1,6 @@
 //! One port and the vehicles behind it.
 
-use crate::hosting::{Advance, Clock, HostError, Observer};
+use crate::hosting::{Advance, Clock, HostError, Observer, RealTime};
 use crate::parameters::file;
 use crate::services::target_system;
 use crate::{Vehicle, VehicleCounters, plans};
@@ -9,6 +9,7 @@ use mavlink_bridge::{Counters, LinkError, UdpLink, messages};
 use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::Instant;
@@ -18,8 +19,8 @@ pub(crate) struct Endpoint {
     vehicles: Vec<Vehicle>,
     /// Index of the first vehicle among all of the host's.
     first: usize,
-    /// Where parameters that are set are kept.
-    pub parameters_folder: Option<PathBuf>,
+    /// Where parameters that are set and plans are kept.
+    pub state_folder: Option<PathBuf>,
     frames: Counters,
     track: Vec<State>,
 }
@@ -30,10 +31,11 @@ pub(crate) struct EndpointReport {
 }
 
 /// What the vehicles do not have: a clock, and somebody who looks on.
-struct Shell {
-    started: Instant,
-    clock: Clock,
-    observer: Observer,
+pub(crate) struct Shell {
+    pub started: Instant,
+    pub clock: Clock,
+    pub time: RealTime,
+    pub observer: Observer,
 }
 
 /// Waits until `stop` holds true or its sender is gone.
@@ -54,16 +56,19 @@ impl Endpoint {
                 return Err(HostError::DuplicateSystemId { first: first + other, second: first + index, system_id });
             }
         }
-        Ok(Self { link, vehicles, first, parameters_folder: None, frames: Counters::default(), track: Vec::new() })
+        Ok(Self { link, vehicles, first, state_folder: None, frames: Counters::default(), track: Vec::new() })
+    }
+
+    /// The vehicles behind this port.
+    pub fn vehicles(&self) -> impl Iterator<Item = &Vehicle> {
+        self.vehicles.iter()
     }
 
     pub async fn run(
         mut self,
-        clock: Clock,
-        observer: Observer,
+        shell: Arc<Shell>,
         mut stop: watch::Receiver<bool>,
     ) -> Result<EndpointReport, LinkError> {
-        let shell = Shell { started: Instant::now(), clock, observer };
         let mut datagram = Vec::new();
         loop {
             self.transmit().await;
@@ -126,7 +131,7 @@ impl Endpoint {
     /// A vehicle flies on when its parameters cannot be kept, as an autopilot with a broken card does.
     fn keep_parameters(&mut self, index: usize) {
         let vehicle = &mut self.vehicles[index];
-        let Some(folder) = self.parameters_folder.as_ref().filter(|_| vehicle.take_parameters_changed()) else {
+        let Some(folder) = self.state_folder.as_ref().filter(|_| vehicle.take_parameters_changed()) else {
             return;
         };
         let path = file::path(folder, self.first + index);
@@ -138,7 +143,7 @@ impl Endpoint {
     /// The same for its plans.
     fn keep_plans(&mut self, index: usize) {
         let vehicle = &mut self.vehicles[index];
-        let Some(folder) = &self.parameters_folder else { return };
+        let Some(folder) = &self.state_folder else { return };
         for kind in vehicle.take_changed_plans() {
             let path = plans::file::path(folder, self.first + index, kind);
             if let Err(error) = plans::file::write(&path, vehicle.plan(kind)) {
@@ -153,7 +158,7 @@ impl Endpoint {
         let now = shell.started.elapsed();
         vehicle.handle_timeout(now);
         let until = match shell.clock {
-            Clock::RealTime { speed, .. } => now.mul_f64(speed),
+            Clock::RealTime { .. } => shell.time.until(now, vehicle.time()),
             Clock::Lockstep(_) => match vehicle.released_until() {
                 Some(until) => until,
                 None => return,

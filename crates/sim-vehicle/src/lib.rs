@@ -3,6 +3,7 @@
 //! [`Vehicle`] flies the model of Eq. 1-3 and speaks MAVLink as ArduPlane does in GUIDED. It takes datagrams and times and
 //! gives datagrams and states; [`Host`] lends sockets and a clock to any number of them.
 
+mod arming;
 mod commands;
 mod connection;
 mod counters;
@@ -10,8 +11,10 @@ mod endpoint;
 mod failsafe;
 mod fence;
 mod flight;
+mod home;
 mod host;
 mod hosting;
+mod life;
 mod links;
 mod lockstep;
 mod mission;
@@ -28,9 +31,10 @@ mod vehicle;
 
 pub use counters::VehicleCounters;
 pub use host::{Host, HostReport, HostSettings};
-pub use hosting::{Advance, Clock, HostError, Observer};
+pub use hosting::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer, port_index};
 pub use mode::{Mode, NoSuchMode};
 pub use parameters::file::ParameterFileError;
+pub use parameters::{ParameterFault, check_parameters};
 pub use plans::{PlanFileError, Plans};
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
 pub use vehicle::{PeerId, SetpointRefused, Transmit, Vehicle};

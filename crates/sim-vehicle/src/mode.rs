@@ -6,18 +6,30 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// Holds course, altitude and speed, and takes no setpoints.
+    /// The sticks: bank, climb and speed.
+    Manual,
+    /// Circles where it was entered.
+    Circle,
+    /// As MANUAL.
+    Stabilize,
+    /// As MANUAL.
+    Fbwa,
+    /// The sticks: bank, rate of climb and speed; centred, it holds its altitude.
+    Fbwb,
+    /// As FBWB; centred, it holds its course too.
     Cruise,
-    /// Flies to home (the origin of the local frame) and circles there.
+    /// Flies to home and circles there.
     Rtl,
     /// Circles where it was entered, at the altitude and speed of that moment.
     Loiter,
     /// Flies the mission.
     Auto,
-    /// Climbs straight on to TKOFF_ALT and circles there.
+    /// Takes off, climbs straight on to TKOFF_ALT and circles there.
     Takeoff,
     /// Follows setpoints and the guided commands.
     Guided,
+    /// Lands where it was entered. ArduPlane has no such mode; other autopilots do.
+    Land,
 }
 
 /// Names of ArduPlane's modes by number, so that a refusal can say what was asked.
@@ -51,11 +63,32 @@ const ARDUPLANE_MODES: [&str; 26] = [
 ];
 
 impl Mode {
-    /// ArduPlane's number of this mode, as in the custom_mode of HEARTBEAT.
+    const ALL: [Mode; 12] = [
+        Mode::Manual,
+        Mode::Circle,
+        Mode::Stabilize,
+        Mode::Fbwa,
+        Mode::Fbwb,
+        Mode::Cruise,
+        Mode::Auto,
+        Mode::Rtl,
+        Mode::Loiter,
+        Mode::Takeoff,
+        Mode::Guided,
+        Mode::Land,
+    ];
+
+    /// ArduPlane's number of this mode, as in the custom_mode of HEARTBEAT. LAND, which it does not have, is its nearest:
+    /// AUTO.
     pub fn number(self) -> u32 {
         match self {
+            Mode::Manual => 0,
+            Mode::Circle => 1,
+            Mode::Stabilize => 2,
+            Mode::Fbwa => 5,
+            Mode::Fbwb => 6,
             Mode::Cruise => 7,
-            Mode::Auto => 10,
+            Mode::Auto | Mode::Land => 10,
             Mode::Rtl => 11,
             Mode::Loiter => 12,
             Mode::Takeoff => 13,
@@ -65,21 +98,24 @@ impl Mode {
 
     /// The mode of an ArduPlane number, or why there is none.
     pub fn from_number(number: u32) -> Result<Self, NoSuchMode> {
-        [Mode::Cruise, Mode::Auto, Mode::Rtl, Mode::Loiter, Mode::Takeoff, Mode::Guided]
-            .into_iter()
-            .find(|mode| mode.number() == number)
-            .ok_or(NoSuchMode(number))
+        Self::ALL.into_iter().find(|mode| mode.number() == number).ok_or(NoSuchMode(number))
     }
 
     /// ArduPlane's name of this mode.
     pub fn name(self) -> &'static str {
         match self {
+            Mode::Manual => "MANUAL",
+            Mode::Circle => "CIRCLE",
+            Mode::Stabilize => "STABILIZE",
+            Mode::Fbwa => "FBWA",
+            Mode::Fbwb => "FBWB",
             Mode::Cruise => "CRUISE",
             Mode::Auto => "AUTO",
             Mode::Rtl => "RTL",
             Mode::Loiter => "LOITER",
             Mode::Takeoff => "TAKEOFF",
             Mode::Guided => "GUIDED",
+            Mode::Land => "LAND",
         }
     }
 }
@@ -110,12 +146,9 @@ mod tests {
 
     #[test]
     fn numbers_are_arduplanes() {
-        for (number, name) in
-            [(7, "CRUISE"), (10, "AUTO"), (11, "RTL"), (12, "LOITER"), (13, "TAKEOFF"), (15, "GUIDED")]
-        {
-            let mode = Mode::from_number(number).unwrap();
-            assert_eq!((mode.number(), mode.name()), (number, name));
-            assert_eq!(ARDUPLANE_MODES[number as usize], name);
+        for mode in Mode::ALL.into_iter().filter(|mode| *mode != Mode::Land) {
+            assert_eq!(Mode::from_number(mode.number()), Ok(mode));
+            assert_eq!(ARDUPLANE_MODES[mode.number() as usize], mode.name());
         }
     }
 

@@ -49,12 +49,12 @@ impl Vehicle {
         points
             .min_by(|(near_m, _), (far_m, _)| near_m.total_cmp(far_m))
             .filter(|(away_m, _)| limit_m <= 0.0 || *away_m <= limit_m)
-            .filter(|(away_m, _)| !home_counts || *away_m < self.distance_to_m(self.flight.home()))
+            .filter(|(away_m, _)| !home_counts || *away_m < self.distance_to_m(self.flight.home().at()))
             .map(|(_, place)| place)
     }
 
     fn distance_to_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
-        let state = self.flight.state();
+        let state = self.flight.estimate();
         let (north_m, east_m) = (x_m - state.x_m, y_m - state.y_m);
         (north_m * north_m + east_m * east_m).sqrt()
     }

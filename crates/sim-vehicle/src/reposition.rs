@@ -2,7 +2,6 @@
 
 use crate::commands::{Command, Refusal};
 use crate::{Mode, Vehicle};
-use flight_model::Geodetic;
 
 impl Vehicle {
     /// COMMAND_INT only, as in ArduPlane. Param 2: 1 to go into GUIDED. Param 3: radius in m, 0 for WP_LOITER_RAD. Param 4:
@@ -12,7 +11,7 @@ impl Vehicle {
         if latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
             return Err(Refusal::denied("Reposition: no such place"));
         }
-        let altitude_m = self.altitude_above_home("Reposition", command.z, command.frame)?;
+        let altitude_m = self.guided_altitude_m("Reposition", command.z, command.frame)?;
         let [_, change_mode, radius_m, turn] = command.params;
         let radius_m = if radius_m > 0.0 { f64::from(radius_m) } else { self.flight.tuning().loiter_radius_m };
         if !radius_m.is_finite() {
@@ -25,14 +24,9 @@ impl Vehicle {
             return Err(Refusal::failed(reason));
         }
         let clockwise = turn.is_nan() || turn == 0.0;
-        let place = Geodetic {
-            latitude_deg: f64::from(latitude_e7) * 1e-7,
-            longitude_deg: f64::from(longitude_e7) * 1e-7,
-            altitude_amsl_m: altitude_m + self.settings.frame.origin().altitude_amsl_m,
-        };
-        let (north_m, east_m, _) = self.settings.frame.to_local(&place);
+        let place = self.to_local(latitude_e7, longitude_e7);
         self.set_mode(Mode::Guided);
-        self.flight.reposition((north_m, east_m), if clockwise { radius_m } else { -radius_m });
+        self.flight.reposition(place, if clockwise { radius_m } else { -radius_m });
         self.flight.set_altitude(altitude_m, f64::INFINITY);
         // Who circles a place need not be told anything more.
         self.stop_setpoint_timeout();

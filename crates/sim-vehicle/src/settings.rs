@@ -18,7 +18,10 @@ pub struct VehicleSettings {
     pub step: Duration,
     /// Where and how it starts, in the air.
     pub start: State,
-    /// The local frame; its origin is home.
+    /// It stands on the ground instead, where it starts, at altitude 0 above the origin and on its course: disarmed and in
+    /// MANUAL, whatever `armed` and `mode` say, and with its home there. The speed of the start is its cruise speed.
+    pub on_ground: bool,
+    /// The local frame. Its origin is the home of vehicles that start in the air, and the ground is level with it.
     pub frame: LocalFrame,
     /// Armed at the start. Otherwise it waits motionless where it starts until it is armed.
     pub armed: bool,
@@ -34,8 +37,14 @@ pub struct VehicleSettings {
     pub clock_epoch_us: u64,
     /// Where telemetry goes unasked.
     pub ground: Option<SocketAddr>,
-    /// Parameters that were set before, by name, in order.
+    /// Parameters in place of the vehicle's own defaults, by name, in order.
+    pub default_parameters: Vec<(String, f32)>,
+    /// Parameters that were set before, by name, in order; they go before those above.
     pub parameters: Vec<(String, f32)>,
+    /// Seed of all noise, as the scenario has it.
+    pub seed: u64,
+    /// The vehicle's number among those of one seed: each has its own noise.
+    pub number: u64,
     /// The plans that were on board before.
     pub plans: Plans,
 }
@@ -45,9 +54,11 @@ pub struct VehicleSettings {
 pub struct TelemetryRates {
     /// HEARTBEAT.
     pub heartbeat_hz: f64,
-    /// SYS_STATUS.
+    /// RAW_IMU and SCALED_PRESSURE.
+    pub raw_sensors_hz: f64,
+    /// SYS_STATUS, GPS_RAW_INT and MISSION_CURRENT.
     pub sys_status_hz: f64,
-    /// SYSTEM_TIME.
+    /// SYSTEM_TIME, WIND, BATTERY_STATUS and EKF_STATUS_REPORT.
     pub system_time_hz: f64,
     /// ATTITUDE.
     pub attitude_hz: f64,
@@ -116,6 +127,7 @@ impl Default for VehicleSettings {
             dynamics: Dynamics::default(),
             step: Duration::from_millis(10),
             start: State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() },
+            on_ground: false,
             frame: LocalFrame::new(Geodetic { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 }),
             armed: true,
             mode: Mode::Guided,
@@ -124,7 +136,10 @@ impl Default for VehicleSettings {
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+            default_parameters: Vec::new(),
             parameters: Vec::new(),
+            seed: 0,
+            number: 0,
             plans: Plans::default(),
         }
     }
@@ -134,6 +149,7 @@ impl Default for TelemetryRates {
     fn default() -> Self {
         Self {
             heartbeat_hz: 1.0,
+            raw_sensors_hz: 1.0,
             sys_status_hz: 1.0,
             system_time_hz: 1.0,
             attitude_hz: 10.0,
@@ -148,6 +164,7 @@ impl TelemetryRates {
     /// Nothing unasked.
     pub const OFF: Self = Self {
         heartbeat_hz: 0.0,
+        raw_sensors_hz: 0.0,
         sys_status_hz: 0.0,
         system_time_hz: 0.0,
         attitude_hz: 0.0,
@@ -186,6 +203,7 @@ impl VehicleSettings {
         let fastest_hz = self.fastest_hz();
         for (name, rate_hz) in [
             ("heartbeat_hz", rates.heartbeat_hz),
+            ("raw_sensors_hz", rates.raw_sensors_hz),
             ("sys_status_hz", rates.sys_status_hz),
             ("system_time_hz", rates.system_time_hz),
             ("attitude_hz", rates.attitude_hz),

@@ -1,7 +1,8 @@
 //! `columba run`: a scenario end to end.
 
 use super::{
-    Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal, vehicle_port_refused,
+    Failure, allow_ports, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal,
+    vehicle_port_refused,
 };
 use crate::args::{Cli, RunArgs, Transport};
 use crate::config::{self, Overrides, Scenario, VEHICLE_PORT};
@@ -46,6 +47,7 @@ fn over_udp(
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Log)> {
+    allow_ports(scenario)?;
     block_on(async {
         let mut ground =
             Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))

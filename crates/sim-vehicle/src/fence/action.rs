@@ -9,6 +9,7 @@ use crate::commands::Refusal;
 use crate::parameters::Parameter;
 use crate::streams::Stream;
 use crate::{Mode, Vehicle};
+use flight_model::State;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::MavSeverity;
 
@@ -60,7 +61,7 @@ impl Vehicle {
     /// Why the fence does not let it arm, if it does not.
     pub(crate) fn fence_forbids_arming(&self) -> Option<String> {
         let get = |parameter: Parameter| self.parameters.get(parameter);
-        let (fence, state) = (&self.fence, self.flight.state());
+        let (fence, state) = (&self.fence, self.flight.estimate());
         let configured = configured(&self.parameters);
         if get(Parameter::FenceEnable) != 0.0 && fence.present(&self.parameters) == 0 {
             return Some("Fences enabled, but none selected".into());
@@ -142,14 +143,17 @@ impl Vehicle {
             self.leave_recovery();
             return;
         }
-        let on_ground = !self.flight.is_armed();
-        if on_ground {
+        let is_armed = self.flight.is_armed();
+        let is_down = !is_armed || self.flight.is_landing();
+        if is_down {
             self.rest_fence(by_itself);
         }
         let before = self.fence.breached;
-        let (state, home) = (*self.flight.state(), self.flight.home());
-        let mut fresh = self.fence.look(&state, home, &self.parameters);
-        if !on_ground {
+        let home = self.flight.home();
+        let state = self.flight.estimate();
+        let state = State { altitude_m: state.altitude_m - home.altitude_m, ..state };
+        let mut fresh = self.fence.look(&state, home.at(), &self.parameters);
+        if !is_down {
             self.raise_floor(by_itself, state.altitude_m);
         }
         if fresh != 0 {
@@ -164,12 +168,13 @@ impl Vehicle {
         }
         if self.fence.enabled == 0 {
             self.leave_recovery();
-        } else if on_ground {
+        } else if !is_armed {
             // It is told when it is to be armed.
-        } else if fresh != 0 && !self.is_in_fence_recovery() {
+        } else if fresh != 0 {
             self.tell_fence("breached", fresh);
-            self.counters.failsafes += 1;
-            self.recover();
+            if !self.is_in_fence_recovery() {
+                self.recover();
+            }
         } else if before != 0 && self.fence.breached == 0 {
             self.say(MavSeverity::MAV_SEVERITY_NOTICE, "Fence breach cleared");
         }
@@ -184,6 +189,7 @@ impl Vehicle {
             // Only told: 0, and what has no meaning for a plane.
             _ => return,
         };
+        self.counters.failsafes += 1;
         self.set_mode(mode);
         if mode == Mode::Guided {
             self.fly_to_return_point();
@@ -199,17 +205,19 @@ impl Vehicle {
         let margin_m = get(Parameter::FenceMargin);
         let (least_m, most_m) =
             (get(Parameter::FenceAltitudeMin) + margin_m, get(Parameter::FenceAltitudeMax) - margin_m);
-        let rtl_altitude_m = self.flight.tuning().rtl_altitude_m;
+        let home = self.flight.home();
+        let above_home_m = |altitude_m: f64| home.altitude_m + altitude_m;
+        let rtl_altitude_m = self.flight.tuning().rtl_altitude_m.map(above_home_m);
         let (at, altitude_m) = if get(Parameter::FenceReturnToRally) != 0.0 {
             let rally = self.best_rally();
-            (rally.map_or(self.flight.home(), |rally| rally.at), rally.map(|rally| rally.altitude_m).or(rtl_altitude_m))
+            (rally.map_or(home.at(), |rally| rally.at), rally.map(|rally| rally.altitude_m).or(rtl_altitude_m))
         } else {
             let altitude_m = match get(Parameter::FenceReturnAltitude) {
-                altitude_m if altitude_m > 0.0 => Some(altitude_m),
+                altitude_m if altitude_m > 0.0 => Some(above_home_m(altitude_m)),
                 _ if least_m >= most_m => rtl_altitude_m,
-                _ => Some(0.5 * (least_m + most_m)),
+                _ => Some(above_home_m(0.5 * (least_m + most_m))),
             };
-            (self.fence.area.way_back().unwrap_or(self.flight.home()), altitude_m)
+            (self.fence.area.way_back().unwrap_or(home.at()), altitude_m)
         };
         self.flight.reposition(at, self.flight.tuning().loiter_radius_m);
         if let Some(altitude_m) = altitude_m {
@@ -233,7 +241,7 @@ impl Vehicle {
         }
     }
 
-    /// On the ground the least altitude does not count, and after FENCE_AUTOENABLE 1 nothing does.
+    /// On the ground and on the way down to it the least altitude does not count, and with FENCE_AUTOENABLE 1 nothing does.
     fn rest_fence(&mut self, by_itself: f32) {
         let mut kinds = if by_itself == AFTER_TAKEOFF { ALL } else { MIN_ALTITUDE };
         if self.fence.floor == Floor::On {

@@ -1,7 +1,7 @@
 //! Where to: a course, a circle or a place.
 
 use super::circle::Circle;
-use super::{Flight, TAKEOFF_TOLERANCE_M};
+use super::{Flight, Stage, TAKEOFF_TOLERANCE_M};
 use crate::Mode;
 use flight_model::wrap_pi;
 
@@ -9,6 +9,8 @@ use flight_model::wrap_pi;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Direction {
     Course(f64),
+    /// Where the nose points: the course is what the wind makes of it.
+    Heading(f64),
     Circle(Circle),
     /// To a place, (north, east) in m.
     Place((f64, f64)),
@@ -24,11 +26,6 @@ pub(crate) struct RallyPlace {
 }
 
 impl Flight {
-    /// Home, (north, east) in m.
-    pub fn home(&self) -> (f64, f64) {
-        (0.0, 0.0)
-    }
-
     /// Where RTL will go when it is entered; none: home.
     pub fn set_rally(&mut self, rally: Option<RallyPlace>) {
         self.rally = rally;
@@ -47,6 +44,7 @@ impl Flight {
 
     /// Flies to a place, (north, east) in m, and over it.
     pub fn fly_to(&mut self, place: (f64, f64)) {
+        self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
         self.direction = Direction::Place(place);
     }
@@ -68,13 +66,14 @@ impl Flight {
     /// The course setpoint of this moment, rad (any turn).
     pub(super) fn guide_rad(&self) -> f64 {
         match &self.direction {
-            Direction::Course(course_rad) => *course_rad,
-            Direction::Circle(circle) => circle.course_rad(&self.state),
+            Direction::Course(rad) | Direction::Heading(rad) => *rad,
+            Direction::Circle(circle) => circle.course_rad(&self.estimate()),
             Direction::Place(place) => self.course_to_rad(*place),
         }
     }
 
     pub(super) fn circle(&mut self, centre: (f64, f64), radius_m: f64) {
+        self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
         let dynamics = self.limited_dynamics();
         self.direction = Direction::Circle(Circle::new(centre, radius_m, &dynamics, self.autopilot.step_s()));
@@ -85,9 +84,20 @@ impl Flight {
         self.mode == Mode::Takeoff && matches!(self.direction, Direction::Circle(_))
     }
 
-    pub(super) fn circle_when_up(&mut self) {
-        let is_up = (self.state.altitude_m - self.altitude.target).abs() <= TAKEOFF_TOLERANCE_M;
-        if is_up && matches!(self.direction, Direction::Course(_)) {
+    /// Climbs straight on to an altitude, m above the origin, from the ground or in the air.
+    pub fn take_off(&mut self, altitude_m: f64) {
+        self.hold_course();
+        self.set_altitude(altitude_m, f64::INFINITY);
+        self.stage = Stage::Takeoff;
+    }
+
+    /// Ends a take-off at its altitude. TAKEOFF goes on by circling there; AUTO has its next item.
+    pub(super) fn level_off_when_up(&mut self) {
+        if (self.state.altitude_m - self.altitude.target).abs() > TAKEOFF_TOLERANCE_M {
+            return;
+        }
+        self.stage = Stage::Normal;
+        if self.mode == Mode::Takeoff {
             self.circle((self.state.x_m, self.state.y_m), self.tuning.loiter_radius_m);
         }
     }
@@ -95,20 +105,21 @@ impl Flight {
     /// The course to a place. The course loop lags by its time constant behind a bearing that turns, which is fed forward:
     /// so the vehicle flies over the place and not past it. One that is too near to turn to would be circled for ever:
     /// the vehicle first flies away.
-    fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
+    pub(super) fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
         const AHEAD_RAD: f64 = 1.0;
-        let (north, east) = (x_m - self.state.x_m, y_m - self.state.y_m);
+        let state = self.estimate();
+        let (north, east) = (x_m - state.x_m, y_m - state.y_m);
         let distance_m = (north * north + east * east).sqrt();
         if distance_m < 1e-6 {
-            return self.state.course_rad;
+            return state.course_rad;
         }
-        let speed_mps = self.state.speed_mps;
+        let speed_mps = state.speed_mps;
         let lag_m = speed_mps * self.dynamics.time_constants.course_s;
         let tightest_m = speed_mps * speed_mps / self.limited_dynamics().limits.lateral_acceleration_max_mps2();
         let bearing_rad = libm::atan2(east, north);
-        let off_rad = wrap_pi(bearing_rad - self.state.course_rad);
+        let off_rad = wrap_pi(bearing_rad - state.course_rad);
         if off_rad.abs() > AHEAD_RAD && distance_m < 4.0 * lag_m.max(tightest_m) {
-            return self.state.course_rad;
+            return state.course_rad;
         }
         bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)
     }

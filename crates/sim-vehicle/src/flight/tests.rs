@@ -52,7 +52,7 @@ fn a_lateral_limit_is_a_ramp_then_the_closed_form() {
     let end = fly(&mut flight, 3.0);
     let expected = 1.3 - 0.375 * libm::exp(-(3.0 - 1.25) / 0.75);
     assert!((end.course_rad - expected).abs() < 1e-9);
-    assert!((flight.course_rate_radps() - 0.5 * libm::exp(-1.75 / 0.75)).abs() < 0.01);
+    assert!((flight.turn_rate_radps() - 0.5 * libm::exp(-1.75 / 0.75)).abs() < 0.01);
 }
 
 #[test]
@@ -109,4 +109,94 @@ fn guided_again_circles_and_forgets_old_setpoints() {
     flight.release_course();
     let end = fly(&mut flight, 200.0);
     assert!((from_centre(&end, (entry.x_m, entry.y_m)) - 60.0).abs() < 0.05);
+}
+
+fn on_ground() -> Flight {
+    Flight::new(&VehicleSettings { on_ground: true, ..settings() })
+}
+
+/// Flies until something happens between it and the ground.
+fn fly_to_ground(flight: &mut Flight) -> f64 {
+    (0..100_000).find_map(|_| flight.step()).map(|Event::TouchedDown { sink_mps }| sink_mps).unwrap()
+}
+
+#[test]
+fn it_stands_on_the_ground_until_it_takes_off() {
+    let mut flight = on_ground();
+    let stands = State { altitude_m: 0.0, speed_mps: 0.0, ..settings().start };
+    for mode in [Mode::Manual, Mode::Guided, Mode::Loiter, Mode::Rtl] {
+        flight.set_mode(mode);
+        flight.arm();
+        assert_eq!(fly(&mut flight, 2.0), stands);
+        assert!(!flight.is_flying());
+        flight.disarm();
+    }
+    flight.set_mode(Mode::Takeoff);
+    assert_eq!(fly(&mut flight, 2.0), stands);
+    flight.arm();
+    let end = fly(&mut flight, 200.0);
+    assert!((end.altitude_m - TAKEOFF_ALTITUDE_M).abs() < 1e-3, "{end:?}");
+    assert!((end.speed_mps - 10.0).abs() < 1e-3);
+    assert!(!flight.is_taking_off());
+}
+
+#[test]
+fn the_run_is_straight_and_lifts_off_at_the_least_speed() {
+    let mut flight = on_ground();
+    flight.set_mode(Mode::Takeoff);
+    flight.arm();
+    while flight.is_on_ground() {
+        assert_eq!(flight.state().course_rad, 0.3);
+        flight.step();
+    }
+    assert!((flight.state().speed_mps - 5.0).abs() < 0.04);
+    // v^2 / 2a
+    assert!((from_centre(flight.state(), (5.0, -3.0)) - 25.0 / 6.0).abs() < 0.1);
+}
+
+#[test]
+fn a_landing_touches_down_softly_at_its_place_from_wherever_it_begins() {
+    for (x, y) in [(400.0, 0.0), (-150.0, 200.0), (20.0, -10.0), (60.0, 0.0), (0.0, 0.0), (5.0, -3.0)] {
+        for altitude_m in [10.0, 50.0, 120.0] {
+            let start = State { altitude_m, ..settings().start };
+            let mut flight = Flight::new(&VehicleSettings { start, mode: Mode::Auto, ..settings() });
+            flight.land_at((x, y));
+            let sink_mps = fly_to_ground(&mut flight);
+            let miss_m = from_centre(flight.state(), (x, y));
+            assert!(sink_mps < 0.4 && miss_m < 3.0, "{sink_mps} {miss_m} at ({x}, {y}) from {altitude_m} m");
+            let end = fly(&mut flight, 10.0);
+            assert!(end.speed_mps == 0.0 && end.altitude_m == 0.0 && flight.is_armed());
+            assert!(from_centre(&end, (x, y)) < 25.0);
+        }
+    }
+}
+
+#[test]
+fn without_its_engine_it_glides_down() {
+    let mut flight = Flight::new(&settings());
+    fly(&mut flight, 1.0);
+    flight.set_engine(false);
+    let gliding = fly(&mut flight, 20.0);
+    assert!((gliding.speed_mps - 5.0).abs() < 1e-6 && (gliding.climb_mps + 0.5).abs() < 1e-3, "{gliding:?}");
+    let sink_mps = fly_to_ground(&mut flight);
+    assert!((sink_mps - 0.5).abs() < 1e-3 && flight.is_armed());
+}
+
+#[test]
+fn an_engine_that_works_again_flies_on() {
+    let mut flight = Flight::new(&settings());
+    flight.disarm();
+    assert!(fly(&mut flight, 20.0).altitude_m < 50.0);
+    flight.arm();
+    let end = fly(&mut flight, 60.0);
+    assert!((end.altitude_m - 50.0).abs() < 1e-2 && (end.speed_mps - 10.0).abs() < 1e-3);
+}
+
+#[test]
+fn who_dives_into_the_ground_stays_there_disarmed() {
+    let mut flight = Flight::new(&settings());
+    flight.set_altitude(-50.0, f64::INFINITY);
+    assert!(fly_to_ground(&mut flight) > 3.0);
+    assert!(!flight.is_armed() && !flight.is_flying());
+    assert_eq!(flight.state().speed_mps, 0.0);
 }

@@ -1,10 +1,13 @@
 //! AUTO: one item after the other.
 
-use super::{CHANGE_SPEED, JUMP, LOITER_TIME, LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, TAKEOFF, WAYPOINT};
+use super::items::{
+    CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
+    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT,
+};
 use crate::flight::TAKEOFF_TOLERANCE_M;
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};
-use flight_model::{Geodetic, wrap_pi};
+use flight_model::wrap_pi;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
 use std::f64::consts::TAU;
@@ -19,35 +22,50 @@ pub(crate) struct Progress {
     /// The item that is flown, or will be when AUTO is set.
     pub current: u16,
     pub is_complete: bool,
+    /// Whether RTL has looked for a landing sequence.
+    pub has_looked_for_landing: bool,
     /// Times that each jump was made.
     jumps: Vec<(u16, u32)>,
-    leg: Leg,
+    pub(super) leg: Leg,
 }
 
 /// What the current item still wants.
 #[derive(Clone, Copy, Debug, Default)]
-enum Leg {
+pub(super) enum Leg {
     /// Its beginning.
     #[default]
     Begin,
-    /// To be so near to a place.
-    Place { at: (f64, f64), radius_m: f64 },
-    /// An altitude.
-    Altitude(f64),
-    /// To be on its circle, from then on to turn so far (rad) or to stay so long.
+    /// To be so near to a place, and not to come nearer: `nearest_m` is how near it has come.
+    Place { at: (f64, f64), radius_m: f64, nearest_m: f64 },
+    /// To be at an altitude, or not below it, or not above it, m above the origin.
+    Altitude(f64, AltitudeEnd),
+    /// To be on its circle, from then on to turn so far (rad), to stay so long, or to be at an altitude.
     Circle { at: (f64, f64), radius_m: f64, until: CircleEnd, flown: Option<Circled> },
+    /// To be on the ground.
+    Landing,
+    /// A landing is given up: to climb to an altitude, m above the origin.
+    GoAround(f64),
     /// Nothing: it has no end.
     Forever,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum CircleEnd {
-    Turned(f64),
-    Stayed(Duration),
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AltitudeEnd {
+    /// Within ArduPlane's 5 m.
+    Near,
+    NotBelow,
+    NotAbove,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Circled {
+pub(super) enum CircleEnd {
+    Turned(f64),
+    Stayed(Duration),
+    Altitude(f64),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Circled {
     since: Duration,
     bearing_rad: f64,
     turned_rad: f64,
@@ -57,15 +75,20 @@ impl Vehicle {
     /// AUTO has been set: it goes on with the current item, from its beginning.
     pub(crate) fn begin_mission(&mut self) {
         if self.progress.is_complete || self.progress.current == 0 {
-            self.progress = Progress { current: 1, ..Progress::default() };
+            self.reset_mission();
         }
         self.progress.leg = Leg::Begin;
+    }
+
+    /// AUTO will begin with the first item.
+    pub(crate) fn reset_mission(&mut self) {
+        self.progress = Progress { current: self.mission.len().min(1), ..Progress::default() };
     }
 
     /// Another mission begins at its beginning; a changed one goes on where it is.
     pub(crate) fn mission_changed(&mut self, whole: bool) {
         if whole {
-            self.progress = Progress { current: self.mission.len().min(1), ..Progress::default() };
+            self.reset_mission();
         }
         self.progress.leg = Leg::Begin;
         if self.mode() == Mode::Auto && !self.mission.is_flyable() {
@@ -84,6 +107,9 @@ impl Vehicle {
 
     /// Looks after each integration step whether the current item is done, and begins the next.
     pub(crate) fn follow_mission(&mut self) {
+        if self.mode() == Mode::Rtl {
+            self.look_for_landing();
+        }
         if self.mode() != Mode::Auto || !self.flight.is_armed() {
             return;
         }
@@ -99,12 +125,10 @@ impl Vehicle {
             if matches!(self.progress.leg, Leg::Begin) {
                 self.begin_item(&item);
             } else if self.is_leg_done() {
-                let seq = self.progress.current;
                 if item.command == TAKEOFF {
                     self.takeoff_changes_fence();
                 }
-                self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
-                self.go_to(seq + 1);
+                self.end_leg();
             } else {
                 return;
             }
@@ -116,7 +140,23 @@ impl Vehicle {
         self.set_mode(Mode::Rtl);
     }
 
-    fn go_to(&mut self, seq: u16) {
+    fn end_leg(&mut self) {
+        let seq = self.progress.current;
+        if matches!(self.progress.leg, Leg::GoAround(_)) {
+            self.restart_landing();
+            return;
+        }
+        self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
+        if matches!(self.progress.leg, Leg::Landing) {
+            // A mission ends on the ground, as in ArduPlane.
+            self.progress.is_complete = true;
+            self.progress.leg = Leg::Forever;
+        } else {
+            self.go_to(seq + 1);
+        }
+    }
+
+    pub(super) fn go_to(&mut self, seq: u16) {
         self.progress.current = seq;
         self.progress.leg = Leg::Begin;
     }
@@ -126,69 +166,140 @@ impl Vehicle {
         let [p1, p2, p3, _] = item.params.map(f64::from);
         let at = self.place_of(item);
         let altitude_m = self.altitude_of(item);
-        let radius_m = if p3 == 0.0 { self.flight.tuning().loiter_radius_m } else { p3 };
+        let or_usual = |radius_m: f64| if radius_m == 0.0 { self.flight.tuning().loiter_radius_m } else { radius_m };
         self.progress.leg = match item.command {
             WAYPOINT => {
                 self.flight.fly_to(at);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
-                let acceptance_m =
-                    if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
-                Leg::Place { at, radius_m: acceptance_m }
+                let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
+                Leg::Place { at, radius_m, nearest_m: f64::INFINITY }
             }
-            LOITER_UNLIM | LOITER_TURNS | LOITER_TIME => {
-                let radius_m = self.flight.circle_at(at, radius_m);
+            LOITER_UNLIM => {
+                self.flight.circle_at(at, or_usual(p3));
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
-                match item.command {
-                    LOITER_TURNS => Leg::Circle { at, radius_m, until: CircleEnd::Turned(TAU * p1), flown: None },
-                    LOITER_TIME => {
-                        let stay = Duration::try_from_secs_f64(p1).unwrap_or(Duration::MAX);
-                        Leg::Circle { at, radius_m, until: CircleEnd::Stayed(stay), flown: None }
-                    }
-                    _ => Leg::Forever,
-                }
+                Leg::Forever
             }
+            LOITER_TURNS => self.circle_until(at, or_usual(p3), altitude_m, CircleEnd::Turned(TAU * p1)),
+            LOITER_TIME => {
+                let stay = Duration::try_from_secs_f64(p1).unwrap_or(Duration::MAX);
+                self.circle_until(at, or_usual(p3), altitude_m, CircleEnd::Stayed(stay))
+            }
+            LOITER_TO_ALTITUDE => self.circle_until(at, or_usual(p2), altitude_m, CircleEnd::Altitude(altitude_m)),
             TAKEOFF => {
-                // It starts in the air: straight on, and up.
+                self.flight.take_off(altitude_m.max(self.flight.state().altitude_m));
+                Leg::Altitude(altitude_m, AltitudeEnd::NotBelow)
+            }
+            CHANGE_ALTITUDE => {
                 self.flight.hold_course();
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
-                Leg::Altitude(altitude_m)
+                let end = match p1 {
+                    1.0 => AltitudeEnd::NotBelow,
+                    2.0 => AltitudeEnd::NotAbove,
+                    _ => AltitudeEnd::Near,
+                };
+                Leg::Altitude(altitude_m, end)
+            }
+            LAND => {
+                self.flight.land_at(at);
+                let height_m = self.flight.state().altitude_m - self.flight.home().altitude_m;
+                self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Landing approach start at {height_m:.1}m"));
+                Leg::Landing
             }
             RETURN_TO_LAUNCH => {
                 self.set_mode(Mode::Rtl);
                 return;
             }
             CHANGE_SPEED => {
-                let least = f64::from(self.parameters.get(Parameter::AirspeedMin));
-                let most = f64::from(self.parameters.get(Parameter::AirspeedMax));
-                self.flight.set_speed(p2.clamp(least, most), f64::INFINITY);
+                self.change_mission_speed(p2);
                 return self.go_to(seq + 1);
             }
-            JUMP => {
-                let index = self.progress.jumps.iter().position(|(jump, _)| *jump == seq).unwrap_or_else(|| {
-                    self.progress.jumps.push((seq, 0));
-                    self.progress.jumps.len() - 1
-                });
-                let made = &mut self.progress.jumps[index].1;
-                // A negative number of repeats is for ever.
-                let again = p2 < 0.0 || f64::from(*made) < p2;
-                *made += u32::from(again);
-                return self.go_to(if again { p1 as u16 } else { seq + 1 });
+            SET_HOME => {
+                if p1 == 1.0 {
+                    self.set_home_here();
+                } else {
+                    self.set_home_at(at, altitude_m);
+                }
+                return self.go_to(seq + 1);
             }
-            // The upload lets nothing else in.
+            FENCE_ENABLE => {
+                // A fence that is not there is not enabled; the mission goes on.
+                let [action, kinds, ..] = item.params;
+                let _ = self.enable_fence([action, kinds]);
+                return self.go_to(seq + 1);
+            }
+            JUMP => return self.jump(seq, p1 as u16, p2),
+            JUMP_TO_TAG => {
+                let tag = |item: &PlanItem| item.command == TAG && f64::from(item.params[0]) == p1;
+                let to = self.mission.numbered().find(|(_, item)| tag(item)).map(|(to, _)| to);
+                return match to {
+                    Some(to) => self.jump(seq, to, p2),
+                    None => self.go_to(seq + 1),
+                };
+            }
+            // Marks, and what the upload lets in that means nothing here.
             _ => return self.go_to(seq + 1),
         };
     }
 
+    fn circle_until(&mut self, at: (f64, f64), radius_m: f64, altitude_m: f64, until: CircleEnd) -> Leg {
+        let radius_m = self.flight.circle_at(at, radius_m);
+        self.flight.set_altitude(altitude_m, f64::INFINITY);
+        Leg::Circle { at, radius_m, until, flown: None }
+    }
+
+    /// -2: the usual speed; -1: no other.
+    fn change_mission_speed(&mut self, speed_mps: f64) {
+        let speed_mps = match speed_mps {
+            -1.0 => return,
+            -2.0 => f64::from(self.parameters.get(Parameter::AirspeedCruise)),
+            speed_mps => speed_mps,
+        };
+        let least = f64::from(self.parameters.get(Parameter::AirspeedMin));
+        let most = f64::from(self.parameters.get(Parameter::AirspeedMax));
+        self.flight.set_speed(speed_mps.clamp(least, most), f64::INFINITY);
+    }
+
+    /// From an item to another, so many times; a negative number is for ever.
+    fn jump(&mut self, from: u16, to: u16, times: f64) {
+        let index = self.progress.jumps.iter().position(|(jump, _)| *jump == from).unwrap_or_else(|| {
+            self.progress.jumps.push((from, 0));
+            self.progress.jumps.len() - 1
+        });
+        let made = &mut self.progress.jumps[index].1;
+        let again = times < 0.0 || f64::from(*made) < times;
+        *made += u32::from(again);
+        self.go_to(if again { to } else { from + 1 });
+    }
+
     fn is_leg_done(&mut self) -> bool {
-        let (state, time) = (*self.flight.state(), self.time);
+        let is_on_ground = self.flight.is_on_ground();
+        if is_on_ground || matches!(self.progress.leg, Leg::Landing) {
+            return is_on_ground && matches!(self.progress.leg, Leg::Landing);
+        }
+        let (state, time) = (self.flight.estimate(), self.time);
         let from = |(x_m, y_m): (f64, f64)| {
             let (north, east) = (state.x_m - x_m, state.y_m - y_m);
             ((north * north + east * east).sqrt(), libm::atan2(east, north))
         };
         match &mut self.progress.leg {
-            Leg::Begin | Leg::Forever => false,
-            Leg::Place { at, radius_m } => from(*at).0 <= *radius_m,
-            Leg::Altitude(altitude_m) => (state.altitude_m - *altitude_m).abs() <= TAKEOFF_TOLERANCE_M,
+            Leg::Begin | Leg::Forever | Leg::Landing => false,
+            Leg::Place { at, radius_m, nearest_m } => {
+                // Who sees the vehicle a few times a second must see it within the radius: the item ends where it is
+                // nearest.
+                let distance_m = from(*at).0;
+                let recedes = distance_m >= *nearest_m;
+                *nearest_m = nearest_m.min(distance_m);
+                distance_m <= *radius_m && recedes
+            }
+            Leg::Altitude(altitude_m, end) => {
+                let above_m = state.altitude_m - *altitude_m;
+                match end {
+                    AltitudeEnd::Near => above_m.abs() <= 5.0,
+                    AltitudeEnd::NotBelow => above_m >= -TAKEOFF_TOLERANCE_M,
+                    AltitudeEnd::NotAbove => above_m <= TAKEOFF_TOLERANCE_M,
+                }
+            }
+            Leg::GoAround(altitude_m) => state.altitude_m >= *altitude_m - TAKEOFF_TOLERANCE_M,
             Leg::Circle { at, radius_m, until, flown } => {
                 let (distance_m, bearing_rad) = from(*at);
                 match flown {
@@ -204,6 +315,9 @@ impl Vehicle {
                         match until {
                             CircleEnd::Turned(angle_rad) => circled.turned_rad.abs() >= *angle_rad,
                             CircleEnd::Stayed(stay) => time.saturating_sub(circled.since) >= *stay,
+                            CircleEnd::Altitude(altitude_m) => {
+                                (state.altitude_m - *altitude_m).abs() <= TAKEOFF_TOLERANCE_M
+                            }
                         }
                     }
                 }
@@ -214,22 +328,17 @@ impl Vehicle {
     /// Where an item is, (north, east) in m; without a place, here.
     pub(crate) fn place_of(&self, item: &PlanItem) -> (f64, f64) {
         if item.latitude_e7 == 0 && item.longitude_e7 == 0 {
-            let state = self.flight.state();
+            let state = self.flight.estimate();
             return (state.x_m, state.y_m);
         }
-        let place = Geodetic {
-            latitude_deg: f64::from(item.latitude_e7) * 1e-7,
-            longitude_deg: f64::from(item.longitude_e7) * 1e-7,
-            altitude_amsl_m: self.altitude_of(item) + self.settings.frame.origin().altitude_amsl_m,
-        };
-        let (x_m, y_m, _) = self.settings.frame.to_local(&place);
-        (x_m, y_m)
+        self.to_local(item.latitude_e7, item.longitude_e7)
     }
 
-    /// Its altitude above home, m: terrain is as high as home.
+    /// Its altitude, m above the origin: terrain is as high as home.
     pub(crate) fn altitude_of(&self, item: &PlanItem) -> f64 {
-        let above_sea = matches!(item.frame, 0 | 5);
-        let origin_m = if above_sea { self.settings.frame.origin().altitude_amsl_m } else { 0.0 };
-        f64::from(item.z_m) - origin_m
+        let above_sea = matches!(item.frame, 0 | 2 | 5);
+        let base_m =
+            if above_sea { -self.settings.frame.origin().altitude_amsl_m } else { self.flight.home().altitude_m };
+        base_m + f64::from(item.z_m)
     }
 }

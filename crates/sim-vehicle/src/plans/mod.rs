@@ -11,6 +11,7 @@ pub use file::PlanFileError;
 pub(crate) use upload::Uploads;
 
 use crate::mission::WAYPOINT;
+use crate::parameters::Parameter;
 use crate::streams::Stream;
 use crate::{Mode, SettingsError, Vehicle, fence, mission, rally};
 use mavlink_bridge::dialect::{
@@ -84,6 +85,15 @@ impl PlanKind {
         }
     }
 
+    /// The parameter that counts its items.
+    fn total(self) -> Parameter {
+        match self {
+            Self::Mission => Parameter::MissionTotal,
+            Self::Fence => Parameter::FenceTotal,
+            Self::Rally => Parameter::RallyTotal,
+        }
+    }
+
     /// Whether an item can be one of `count` in this plan; the result code that says why not.
     pub fn check(self, seq: u16, item: &PlanItem, count: u16) -> Result<(), MavMissionResult> {
         match self {
@@ -130,6 +140,7 @@ impl Vehicle {
             self.replace_plan(kind, items, true).map_err(refused)?;
         }
         self.plans_changed = Default::default();
+        self.plan_totals = PlanKind::ALL.map(|kind| self.parameter_value(kind.total()));
         Ok(())
     }
 
@@ -169,12 +180,11 @@ impl Vehicle {
     fn serve_all_plans(&mut self, link: usize, to: Target, message: PlanMessage) {
         let result = match message {
             PlanMessage::ClearAll => {
-                if PlanKind::ALL.into_iter().any(|kind| self.is_uploaded_by_another(link, to, kind)) {
-                    MavMissionResult::MAV_MISSION_DENIED
-                } else {
+                let against = PlanKind::ALL.into_iter().find_map(|kind| self.against_clearing(link, to, kind));
+                if against.is_none() {
                     PlanKind::ALL.into_iter().for_each(|kind| self.empty_plan(kind));
-                    MavMissionResult::MAV_MISSION_ACCEPTED
                 }
+                against.unwrap_or(MavMissionResult::MAV_MISSION_ACCEPTED)
             }
             // An acknowledgement is not answered.
             PlanMessage::Ack(_) => return,
@@ -184,6 +194,7 @@ impl Vehicle {
             self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal("Plan", result));
         }
         self.send_plan_ack(link, to, MavMissionType::MAV_MISSION_TYPE_ALL, result);
+        self.tell_totals();
     }
 
     /// An item outside a mission, as clients steered before there were commands for it: fly there now, or only climb.
@@ -232,7 +243,8 @@ impl Vehicle {
 
     /// Item 0 of a mission is home, whatever was uploaded for it.
     fn home_item(&self) -> PlanItem {
-        let home = self.settings.frame.origin();
+        let home = self.flight.home();
+        let home = self.settings.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
         PlanItem {
             latitude_e7: (home.latitude_deg * 1e7).round() as i32,
             longitude_e7: (home.longitude_deg * 1e7).round() as i32,
@@ -251,6 +263,16 @@ impl Vehicle {
 
     fn acknowledge_plan(&mut self, link: usize, to: Target, kind: PlanKind, result: MavMissionResult) {
         self.send_plan_ack(link, to, kind.mission_type(), result);
+        self.tell_totals();
+    }
+
+    /// Everybody is told how many items there are, where that has changed.
+    fn tell_totals(&mut self) {
+        let now = PlanKind::ALL.map(|kind| self.parameter_value(kind.total()));
+        let before = std::mem::replace(&mut self.plan_totals, now);
+        for (kind, _) in PlanKind::ALL.into_iter().zip(before.into_iter().zip(now)).filter(|(_, (was, is))| was != is) {
+            self.tell_parameter(kind.total());
+        }
     }
 
     fn send_plan_ack(&mut self, link: usize, to: Target, mission_type: MavMissionType, result: MavMissionResult) {

@@ -1,0 +1,129 @@
+//! Arming and disarming, what stands against it, and what follows on the ground.
+
+use crate::commands::Refusal;
+use crate::flight::Event;
+use crate::life::GpsSettings;
+use crate::mission::{LAND_START, RETURN_PATH_START};
+use crate::parameters::Parameter;
+use crate::{Mode, Vehicle};
+use mavlink_bridge::dialect::{MavResult, MavSeverity};
+use std::time::Duration;
+
+/// Param 2 of COMPONENT_ARM_DISARM: whatever stands against it.
+const FORCE: f32 = 21196.0;
+/// The same, of older ground stations, to arm only.
+const FORCE_ARMING: f32 = 2989.0;
+
+impl Vehicle {
+    /// Param 1: 1 to arm, 0 to disarm. Param 2: 21196 by force, as ArduPlane: in the air it is disarmed only so.
+    pub(crate) fn arm_or_disarm(&mut self, [p1, p2]: [f32; 2]) -> Result<(), Refusal> {
+        let is_armed = self.flight.is_armed();
+        if p1 == 1.0 {
+            if is_armed {
+                return Ok(());
+            }
+            let is_forced = p2 == FORCE || p2 == FORCE_ARMING;
+            if let Some(reason) = self.against_arming().filter(|_| !is_forced) {
+                return Err(Refusal::failed(format!("Arm: {reason}")));
+            }
+            self.arm();
+        } else if p1 == 0.0 {
+            if is_armed && self.flight.is_flying() && p2 != FORCE {
+                return Err(Refusal::failed("Disarm: it is flying"));
+            }
+            if is_armed {
+                self.disarm();
+            }
+        } else {
+            return Err(Refusal::unsupported());
+        }
+        Ok(())
+    }
+
+    /// RUN_PREARM_CHECKS: accepted, and what stands against arming comes in words.
+    pub(crate) fn run_prearm_checks(&mut self) -> Result<(), Refusal> {
+        if self.flight.is_armed() {
+            return Err(Refusal {
+                result: MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
+                reason: Some("PreArm: it is armed".into()),
+            });
+        }
+        if let Some(reason) = self.against_arming() {
+            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &format!("PreArm: {reason}"));
+        }
+        Ok(())
+    }
+
+    /// Why the vehicle would not arm now, if so.
+    pub(crate) fn against_arming(&self) -> Option<String> {
+        let lands_by_rtl = self.parameters.get(Parameter::RtlAutoland) != 0.0;
+        let contains = |command: u16| self.mission.items.iter().skip(1).any(|item| item.command == command);
+        if self.flight.is_armed() {
+            None
+        } else if self.mode() == Mode::Rtl {
+            Some("RTL mode not armable".into())
+        } else if !lands_by_rtl && contains(LAND_START) {
+            Some("DO_LAND_START set and RTL_AUTOLAND disabled".into())
+        } else if !lands_by_rtl && contains(RETURN_PATH_START) {
+            Some("DO_RETURN_PATH_START set and RTL_AUTOLAND disabled".into())
+        } else if !GpsSettings::of(&self.parameters).has_fix() {
+            Some("GPS 1: Bad fix".into())
+        } else {
+            self.battery_forbids_arming().or_else(|| self.fence_forbids_arming())
+        }
+    }
+
+    /// Arms it. On the ground home is where it stands, unless somebody has set another.
+    fn arm(&mut self) {
+        if self.flight.is_on_ground() && !self.home_is_set {
+            self.set_home_here();
+        }
+        if self.mode() == Mode::Auto {
+            self.begin_mission();
+        }
+        self.flight.arm();
+        self.arming_changes_fence();
+        self.restart_setpoint_timeout();
+        self.say(MavSeverity::MAV_SEVERITY_INFO, "Throttle armed");
+    }
+
+    pub(crate) fn disarm(&mut self) {
+        self.flight.disarm();
+        self.have_disarmed();
+    }
+
+    fn have_disarmed(&mut self) {
+        self.arming_changes_fence();
+        self.stop_setpoint_timeout();
+        // In AUTO ArduPlane stays where the mission has come to.
+        if self.mode() != Mode::Auto {
+            self.reset_mission();
+        }
+        self.say(MavSeverity::MAV_SEVERITY_INFO, "Throttle disarmed");
+    }
+
+    /// Moves the vehicle on by one integration step, and does what follows from it on the ground.
+    pub(crate) fn step_flight(&mut self) {
+        let was_armed = self.flight.is_armed();
+        if let Some(Event::TouchedDown { sink_mps }) = self.flight.step() {
+            self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("SIM Hit ground at {sink_mps:.6} m/s"));
+            if was_armed && !self.flight.is_armed() {
+                self.have_disarmed();
+            }
+        }
+        if self.flight.is_flying() {
+            self.flown_at = self.time;
+        } else if self.flight.is_armed() && self.flight.is_on_ground() && self.flight.is_landing() {
+            self.disarm_after_landing();
+        }
+    }
+
+    /// LAND_DISARMDELAY after it has last flown; 0: never.
+    fn disarm_after_landing(&mut self) {
+        let delay = Duration::from_secs(self.parameters.get(Parameter::DisarmDelay) as u64);
+        if !delay.is_zero() && self.time.saturating_sub(self.flown_at) >= delay {
+            self.disarm();
+            self.say(MavSeverity::MAV_SEVERITY_INFO, "Auto disarmed");
+        }
+    }
+}
