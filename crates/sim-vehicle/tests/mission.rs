@@ -57,7 +57,6 @@ fn result(messages: &[Message]) -> Option<MavMissionResult> {
 
 fn wanted(messages: &[Message]) -> Option<u16> {
     messages.iter().find_map(|message| match message {
-        Message::MISSION_REQUEST_INT(request) => Some(request.seq),
         Message::MISSION_REQUEST(request) => Some(request.seq),
         _ => None,
     })
