@@ -13,7 +13,10 @@ pub(super) enum Direction {
     Heading(f64),
     Circle(Circle),
     /// To a place, (north, east) in m.
-    Place((f64, f64)),
+    Place {
+        at: (f64, f64),
+        flies_away: bool,
+    },
 }
 
 /// A place to return to instead of home.
@@ -46,7 +49,7 @@ impl Flight {
     pub fn fly_to(&mut self, place: (f64, f64)) {
         self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
-        self.direction = Direction::Place(place);
+        self.direction = Direction::Place { at: place, flies_away: false };
     }
 
     /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.
@@ -64,11 +67,11 @@ impl Flight {
     }
 
     /// The course setpoint of this moment, rad (any turn).
-    pub(super) fn guide_rad(&self) -> f64 {
-        match &self.direction {
-            Direction::Course(rad) | Direction::Heading(rad) => *rad,
+    pub(super) fn guide_rad(&mut self) -> f64 {
+        match self.direction {
+            Direction::Course(rad) | Direction::Heading(rad) => rad,
             Direction::Circle(circle) => circle.course_rad(&self.estimate()),
-            Direction::Place(place) => self.course_to_rad(*place),
+            Direction::Place { at, flies_away } => self.course_to_rad(at, flies_away),
         }
     }
 
@@ -104,11 +107,11 @@ impl Flight {
 
     /// The course to a place. The course loop lags by its time constant behind a bearing that turns, which is fed forward:
     /// so the vehicle flies over the place and not past it. One that is too near to turn to would be circled for ever:
-    /// the vehicle first flies away.
-    pub(super) fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
+    /// the vehicle first flies away, twice as far as it needs to turn round.
+    fn course_to_rad(&mut self, at: (f64, f64), flies_away: bool) -> f64 {
         const AHEAD_RAD: f64 = 1.0;
         let state = self.estimate();
-        let (north, east) = (x_m - state.x_m, y_m - state.y_m);
+        let (north, east) = (at.0 - state.x_m, at.1 - state.y_m);
         let distance_m = (north * north + east * east).sqrt();
         if distance_m < 1e-6 {
             return state.course_rad;
@@ -116,9 +119,13 @@ impl Flight {
         let speed_mps = state.speed_mps;
         let lag_m = speed_mps * self.dynamics.time_constants.course_s;
         let tightest_m = speed_mps * speed_mps / self.limited_dynamics().limits.lateral_acceleration_max_mps2();
+        let turn_m = 4.0 * lag_m.max(tightest_m);
         let bearing_rad = libm::atan2(east, north);
         let off_rad = wrap_pi(bearing_rad - state.course_rad);
-        if off_rad.abs() > AHEAD_RAD && distance_m < 4.0 * lag_m.max(tightest_m) {
+        let is_too_near = distance_m < if flies_away { 2.0 * turn_m } else { turn_m };
+        let flies_away = off_rad.abs() > AHEAD_RAD && is_too_near;
+        self.direction = Direction::Place { at, flies_away };
+        if flies_away {
             return state.course_rad;
         }
         bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)

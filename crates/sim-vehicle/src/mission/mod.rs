@@ -37,3 +37,6 @@ impl Mission {
         (0..self.len()).zip(&self.items).skip(1)
     }
 }
+
+#[cfg(test)]
+mod tests;
