@@ -71,7 +71,7 @@ impl Vehicle {
     }
 
     /// Arms it. On the ground home is where it stands, unless somebody has set another.
-    fn arm(&mut self) {
+    pub(crate) fn arm(&mut self) {
         if self.flight.is_on_ground() && !self.home_is_set {
             self.set_home_here();
         }

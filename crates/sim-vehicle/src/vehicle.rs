@@ -5,7 +5,8 @@ use crate::flight::Flight;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
 use crate::mission::{Mission, Progress, Upload};
-use crate::parameters::{Listings, Pace, Parameter, Parameters};
+use crate::parameters::{Listings, Pace, Parameters};
+use crate::personality::px4;
 use crate::services::target_system;
 use crate::streams::Stream;
 use crate::telemetry::Instruments;
@@ -68,6 +69,7 @@ pub struct Vehicle {
     pub(crate) flown_at: Duration,
     /// Whether somebody has set home: then arming leaves it.
     pub(crate) home_is_set: bool,
+    pub(crate) px4: px4::State,
     pub(crate) counters: VehicleCounters,
     wire: Counters,
 }
@@ -116,15 +118,19 @@ impl Vehicle {
             quiet_until: Duration::ZERO,
             flown_at: Duration::ZERO,
             home_is_set: false,
+            px4: px4::State::default(),
             counters: VehicleCounters::default(),
             wire: Counters::default(),
             settings,
         };
         for (name, value) in std::mem::take(&mut vehicle.settings.parameters) {
-            let known = Parameter::from_name(&name).ok_or(SettingsError::NoSuchParameter(name))?;
+            let known = vehicle.parameters.named(&name).ok_or(SettingsError::NoSuchParameter(name))?;
             vehicle.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
         }
         vehicle.parameters_changed = false;
+        let in_lockstep = vehicle.lockstep.is_some();
+        let first_mode = vehicle.settings.personality.first_mode(vehicle.mode(), in_lockstep);
+        vehicle.flight.set_mode(first_mode);
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
@@ -198,6 +204,7 @@ impl Vehicle {
         track.push(*self.flight.state());
         self.check_failsafes();
         self.follow_mission();
+        self.follow_personality();
         self.with_instruments(Links::send_due_and_position);
         self.links.end_batch();
         if let Some(lockstep) = &mut self.lockstep {
@@ -260,7 +267,7 @@ impl Vehicle {
     /// Whether the lack of setpoints took it out of GUIDED and nobody has set a mode since, or its ground station is
     /// missing.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafes.setpoints_lost || self.failsafes.ground_lost
+        self.failsafes.setpoints_lost || self.failsafes.ground_lost || self.px4.failsafe.is_some()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
@@ -296,6 +303,7 @@ impl Vehicle {
             track.push(*self.flight.state());
             self.check_failsafes();
             self.follow_mission();
+            self.follow_personality();
             if self.time >= self.links.next_due() {
                 self.with_instruments(Links::send_due);
             }
@@ -311,6 +319,7 @@ impl Vehicle {
         }
         self.flight.set_mode(mode);
         self.failsafes.setpoints_lost = false;
+        self.px4.failsafe = None;
         self.restart_setpoint_timeout();
     }
 
@@ -348,11 +357,12 @@ impl Vehicle {
         let instruments = Instruments {
             time: self.time,
             system_id: self.settings.system_id,
+            personality: self.settings.personality,
             flight: &self.flight,
             frame: &self.settings.frame,
             mission: &self.mission,
             progress: &self.progress,
-            failsafe: self.failsafes.setpoints_lost || self.failsafes.ground_lost,
+            failsafe: self.is_in_failsafe(),
             is_armable,
             clock_epoch_us: self.settings.clock_epoch_us,
         };

@@ -20,6 +20,7 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
         loss: args.loss,
         count: args.count,
         on_ground: args.on_ground,
+        personality: args.personality,
         ..Overrides::default()
     };
     let scenario = config::load(args.config.as_deref(), &overrides)?;
@@ -38,7 +39,11 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
         parameters_folder: args.params_folder.clone(),
         ..flying::host_settings(&scenario, clock, base_port, link)
     };
-    let vehicles = flying::vehicle_settings(&scenario, ground, epoch_us);
+    let personality = scenario.autopilot.personality;
+    let vehicles: Vec<VehicleSettings> = flying::vehicle_settings(&scenario, ground, epoch_us)
+        .into_iter()
+        .map(|settings| VehicleSettings { personality, ..settings })
+        .collect();
     let report = block_on(async {
         let host = Host::bind(&settings, vehicles.clone()).map_err(|error| vehicle_port_refused(&scenario, error))?;
         if args.json || !cli.quiet {
