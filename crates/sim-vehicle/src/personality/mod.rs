@@ -12,12 +12,14 @@ mod targets;
 
 use crate::commands::{Command, Refusal};
 use crate::parameters::Parameter;
+use crate::streams::Stream;
 use crate::{Mode, Vehicle};
 use mavlink_bridge::dialect::{
     MavAutopilot, MavModeFlag, MavParamType, MavProtocolCapability, SET_POSITION_TARGET_GLOBAL_INT_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use std::fmt;
+use std::time::Duration;
 
 /// The autopilot that a vehicle passes for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -97,6 +99,16 @@ impl Personality {
             Personality::Px4 => MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE,
         };
         MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT | encoding
+    }
+
+    /// What it sends unasked beside what the settings say.
+    pub(crate) fn streams(self) -> &'static [(Stream, Duration)] {
+        const UNASKED: &[(Stream, Duration)] =
+            &[(Stream::HomePosition, Duration::from_secs(2)), (Stream::ExtendedSysState, Duration::from_millis(500))];
+        match self {
+            Personality::ArduPlane => &[],
+            Personality::Px4 | Personality::Generic => UNASKED,
+        }
     }
 
     /// Which parameters it has, in the order of their indices.
