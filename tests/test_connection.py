@@ -19,6 +19,8 @@ def test_the_version_is_arduplanes_and_promises_what_there_is(craft):
     version = craft.request(mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION, "AUTOPILOT_VERSION")
     assert version.flight_sw_version >> 16 == 4 << 8 | 7
     assert version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+    assert version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
+    assert version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
     assert not version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_FTP
 
 
@@ -45,14 +47,6 @@ def test_every_plan_is_empty(craft, plan):
     craft.link.mav.mission_request_list_send(craft.system, craft.component, plan)
     count = craft.wait(["MISSION_COUNT"])
     assert (count.count, count.mission_type) == (0, plan)
-
-
-@pytest.mark.parametrize("plan", PLANS[1:])
-def test_a_fence_and_rally_points_are_refused_in_words(craft, plan):
-    craft.link.mav.mission_count_send(craft.system, craft.component, 2, plan)
-    ack = craft.wait(["MISSION_ACK"])
-    assert (ack.type, ack.mission_type) == (mavlink.MAV_MISSION_UNSUPPORTED, plan)
-    assert craft.text().text == "Fences and rally points are not simulated"
 
 
 def test_mavproxys_stream_rate(craft):

@@ -1,10 +1,10 @@
 """Missions: uploaded and downloaded as a stranger does it, over a bad link too, refused, and flown to every item."""
 
 import math
-import time
 
 import pytest
 from ground import ACCEPTED, FAILED, GUIDED, RTL
+from plans import METRES_PER_DEGREE, Uploader, item, place
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
@@ -16,18 +16,7 @@ WAYPOINT, TURNS, SPEED, JUMP, TAKEOFF = (
     mavlink.MAV_CMD_DO_JUMP,
     mavlink.MAV_CMD_NAV_TAKEOFF,
 )
-RELATIVE = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
-METRES_PER_DEGREE = 111_200
 RADIUS_M = 8
-
-
-def place(north_m, east_m, home=(39.98, 116.34)):
-    latitude = home[0] + north_m / METRES_PER_DEGREE
-    return round(latitude * 1e7), round((home[1] + east_m / METRES_PER_DEGREE / math.cos(math.radians(home[0]))) * 1e7)
-
-
-def item(command, north_m=0, east_m=0, altitude_m=60, p1=0, p2=0, p3=0, frame=RELATIVE):
-    return (frame, command, p1, p2, p3, *place(north_m, east_m), altitude_m)
 
 
 TEN = [
@@ -43,56 +32,6 @@ TEN = [
     item(WAYPOINT, 0, -80, 60, p2=RADIUS_M),
     item(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH),
 ]
-
-
-class Uploader:
-    """Answers what the vehicle asks for; what is lost is said again."""
-
-    KINDS = ["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK", "STATUSTEXT"]
-
-    def __init__(self, link, system=1):
-        self.link, self.system = link, system
-        self.words = []
-
-    def send_item(self, seq, fields):
-        frame, command, p1, p2, p3, x, y, z = fields
-        self.link.mav.mission_item_int_send(self.system, 1, seq, frame, command, 0, 1, p1, p2, p3, 0, x, y, z)
-
-    def upload(self, items, patience_s=30):
-        start = time.monotonic()
-        begun = False
-        while time.monotonic() - start < patience_s:
-            if not begun:
-                self.link.mav.mission_count_send(self.system, 1, len(items))
-            message = self.link.recv_match(type=self.KINDS, blocking=True, timeout=1)
-            if message is None:
-                if begun:  # the acknowledgement may be lost
-                    self.send_item(len(items) - 1, items[-1])
-            elif message.get_type() == "STATUSTEXT":
-                self.words.append(message.text)
-            elif message.get_type() == "MISSION_ACK":
-                return message.type
-            else:
-                begun = True
-                self.send_item(message.seq, items[message.seq])
-        raise TimeoutError("the upload did not end")
-
-    def ask(self, send, kind):
-        for _ in range(60):
-            send()
-            message = self.link.recv_match(type=kind, blocking=True, timeout=0.3)
-            if message is not None:
-                return message
-        raise TimeoutError(kind)
-
-    def download(self):
-        count = self.ask(lambda: self.link.mav.mission_request_list_send(self.system, 1), "MISSION_COUNT").count
-        items = {}
-        while len(items) < count:
-            seq = len(items)
-            item = self.ask(lambda: self.link.mav.mission_request_int_send(self.system, 1, seq), "MISSION_ITEM_INT")
-            items[item.seq] = item
-        return [items[seq] for seq in range(count)]
 
 
 @pytest.fixture
@@ -154,6 +93,9 @@ def test_a_gap_and_an_oversize_are_refused(craft, uploader):
     craft.wait(["MISSION_REQUEST_INT"])
     uploader.send_item(2, TEN[2])
     assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_INVALID_SEQUENCE
+    # As in ArduPlane, the upload goes on with what was asked for.
+    uploader.send_item(0, TEN[0])
+    assert craft.wait(["MISSION_REQUEST_INT"], lambda request: request.seq > 0).seq == 1
     craft.link.mav.mission_count_send(craft.system, 1, 701)
     assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_NO_SPACE
 
@@ -183,3 +125,26 @@ def test_transfers_complete_over_a_link_that_loses_a_third_each_way(start_vehicl
     assert uploader.upload(TEN) == mavlink.MAV_MISSION_ACCEPTED
     assert len(uploader.download()) == len(TEN)
     link.close()
+
+
+def test_mission_items_without_an_upload_steer_in_guided(craft):
+    """As dronekit's simple_goto does: 2 in `current` means "fly there now"."""
+    frame, command, *_, x, y, z = item(WAYPOINT, 200, 100, 80)
+    craft.link.mav.mission_item_int_send(craft.system, 1, 0, frame, command, 2, 0, 0, 0, 0, 0, x, y, z)
+    assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_ACCEPTED
+    assert craft.set_mode(RTL) == ACCEPTED
+    craft.link.mav.mission_item_int_send(craft.system, 1, 0, frame, command, 2, 0, 0, 0, 0, 0, x, y, z)
+    assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_ERROR
+    assert craft.text().text == "Guided item: mode is RTL"
+
+
+def test_two_writers_at_once(craft, uploader):
+    other = mavutil.mavlink_connection(f"udpout:127.0.0.1:{craft.port}", source_system=254)
+    craft.link.mav.mission_count_send(craft.system, 1, 2)
+    craft.wait(["MISSION_REQUEST_INT"])
+    assert Uploader(other, craft.system).upload(TEN) == mavlink.MAV_MISSION_DENIED
+    # Of another plan they do not disturb each other.
+    point = item(mavlink.MAV_CMD_NAV_RALLY_POINT, 10, 20)
+    assert Uploader(other, craft.system, mavlink.MAV_MISSION_TYPE_RALLY).upload([point]) == mavlink.MAV_MISSION_ACCEPTED
+    assert uploader.upload(TEN) == mavlink.MAV_MISSION_ACCEPTED
+    other.close()

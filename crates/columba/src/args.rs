@@ -176,9 +176,10 @@ pub struct VehiclesArgs {
     /// Which autopilot the vehicles pass for; as [autopilot] personality.
     #[arg(long, value_name = "AUTOPILOT", value_parser = personality())]
     pub personality: Option<Personality>,
-    /// Folder in which parameters that are set survive a restart: vehicle-1.parm and so on. By default they do not.
-    #[arg(long, value_name = "DIR")]
-    pub params_folder: Option<PathBuf>,
+    /// Folder in which parameters that are set and plans that are uploaded survive a restart: vehicle-1.parm,
+    /// vehicle-1-mission.txt and so on. By default they do not.
+    #[arg(long, alias = "params-folder", value_name = "DIR")]
+    pub state_folder: Option<PathBuf>,
     /// Prints the table of vehicles as JSON.
     #[arg(long)]
     pub json: bool,

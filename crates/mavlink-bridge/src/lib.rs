@@ -49,7 +49,7 @@ pub use fleet::{Craft, Fleet, Identity, News, Position};
 pub use frame::{Frame, FrameError, Header, Version};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
 pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_request, parameter_value};
-pub use plan::{ItemKind, PlanItem, PlanMessage, plan_message};
+pub use plan::{ItemKind, PlanItem, PlanItemMessage, PlanMessage, plan_message};
 pub use setpoint::{
     PartialSetpoint, SetpointRefusal, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
 };

@@ -7,8 +7,9 @@
 #![allow(deprecated)]
 
 use crate::dialect::{
-    MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_ITEM_DATA, MISSION_ITEM_INT_DATA, MISSION_REQUEST_DATA,
-    MISSION_REQUEST_INT_DATA, MISSION_REQUEST_LIST_DATA, MISSION_SET_CURRENT_DATA, MISSION_WRITE_PARTIAL_LIST_DATA,
+    MISSION_ACK_DATA, MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_ITEM_DATA, MISSION_ITEM_INT_DATA,
+    MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MISSION_REQUEST_LIST_DATA, MISSION_SET_CURRENT_DATA,
+    MISSION_WRITE_PARTIAL_LIST_DATA,
 };
 use crate::{Encoder, Frame, Target};
 use mavlink::{MavlinkVersion, MessageData};
@@ -58,6 +59,25 @@ pub enum PlanMessage {
     ClearAll,
     /// MISSION_SET_CURRENT.
     SetCurrent(u16),
+    /// MISSION_ACK, with its MAV_MISSION_RESULT.
+    Ack(u8),
+}
+
+/// An item as it is sent.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanItemMessage<'a> {
+    /// MAV_MISSION_TYPE: which plan it is of. Lost in MAVLink 1, which knows only missions.
+    pub mission_type: u8,
+    /// Its index.
+    pub seq: u16,
+    /// What it says.
+    pub item: &'a PlanItem,
+    /// Whether it is flown at present.
+    pub is_current: bool,
+    /// MISSION_ITEM_INT or MISSION_ITEM.
+    pub kind: ItemKind,
+    /// To whom.
+    pub to: Target,
 }
 
 /// The message about a plan in a frame, whom it is for, and the MAV_MISSION_TYPE; none if the frame is something else.
@@ -70,6 +90,7 @@ pub fn plan_message(frame: &Frame<'_>) -> Option<(Target, u8, PlanMessage)> {
         MISSION_REQUEST_INT_DATA::ID => (2, 4, PlanMessage::Request(number(0), ItemKind::Int)),
         MISSION_REQUEST_DATA::ID => (2, 4, PlanMessage::Request(number(0), ItemKind::Float)),
         MISSION_COUNT_DATA::ID => (2, 4, PlanMessage::Count(number(0))),
+        MISSION_ACK_DATA::ID => (0, 3, PlanMessage::Ack(frame.payload_byte(2))),
         MISSION_WRITE_PARTIAL_LIST_DATA::ID => {
             let index = |start: usize| i16::from_le_bytes(two(start));
             (4, 6, PlanMessage::WritePartial(index(0), index(2)))
@@ -106,16 +127,9 @@ fn item(frame: &Frame<'_>, kind: ItemKind) -> PlanMessage {
 }
 
 impl Encoder {
-    /// Appends an item of a mission as MISSION_ITEM_INT or MISSION_ITEM.
-    pub fn encode_plan_item(
-        &mut self,
-        seq: u16,
-        item: &PlanItem,
-        is_current: bool,
-        kind: ItemKind,
-        to: Target,
-        out: &mut Vec<u8>,
-    ) {
+    /// Appends an item of a plan as MISSION_ITEM_INT or MISSION_ITEM.
+    pub fn encode_plan_item(&mut self, message: &PlanItemMessage<'_>, out: &mut Vec<u8>) {
+        let PlanItemMessage { mission_type, seq, item, is_current, kind, to } = *message;
         let place = |e7: i32| match kind {
             ItemKind::Int => e7.to_le_bytes(),
             ItemKind::Float => ((f64::from(e7) * 1e-7) as f32).to_le_bytes(),
@@ -125,7 +139,7 @@ impl Encoder {
         let places = [item.latitude_e7, item.longitude_e7].map(place);
         let words = words.iter().chain(&places).flatten().copied();
         let rest = item.z_m.to_le_bytes().into_iter().chain(seq.to_le_bytes()).chain(item.command.to_le_bytes());
-        let tail = [to.system_id, to.component_id, item.frame, u8::from(is_current), item.autocontinue, 0];
+        let tail = [to.system_id, to.component_id, item.frame, u8::from(is_current), item.autocontinue, mission_type];
         for (field, byte) in fields.iter_mut().zip(words.chain(rest).chain(tail)) {
             *field = byte;
         }
@@ -153,7 +167,7 @@ mod tests {
     proptest! {
         #[test]
         fn items_survive_the_wire_and_are_what_the_dialect_reads(
-            seq in any::<u16>(), params in prop::array::uniform4(-1e3..1e3f32), z_m in -1e4..1e4f32, v1 in any::<bool>(),
+            seq in any::<u16>(), params in prop::array::uniform4(-1e3..1e3f32), z_m in -1e4..1e4f32, v1 in any::<bool>(), mission_type in 0..3u8,
             latitude_e7 in -900_000_000..900_000_000i32, longitude_e7 in -1_800_000_000..1_800_000_000i32, current in any::<bool>(),
         ) {
             let item = PlanItem { params, latitude_e7, longitude_e7, z_m, command: 16, frame: 3, autocontinue: 1 };
@@ -161,9 +175,13 @@ mod tests {
             let version = if v1 { Version::V1 } else { Version::V2 };
             for kind in [ItemKind::Int, ItemKind::Float] {
                 let mut bytes = Vec::new();
-                Encoder::new(255, 190).with_version(version).encode_plan_item(seq, &item, current, kind, to, &mut bytes);
+                let message = PlanItemMessage { mission_type, seq, item: &item, is_current: current, kind, to };
+                Encoder::new(255, 190).with_version(version).encode_plan_item(&message, &mut bytes);
                 let frame = frames(&bytes, &mut Counters::default()).next().unwrap();
-                let Some((target, 0, PlanMessage::Item(read_seq, read, read_current))) = plan_message(&frame) else { panic!() };
+                let Some((target, read_type, PlanMessage::Item(read_seq, read, read_current))) = plan_message(&frame) else {
+                    panic!()
+                };
+                prop_assert_eq!(read_type, if v1 { 0 } else { mission_type });
                 prop_assert_eq!((target, read_seq, read_current == 1), (to, seq, current));
                 // A float of degrees is good for about a metre.
                 let far = if kind == ItemKind::Int { 0 } else { 100 };

@@ -66,7 +66,7 @@ impl Vehicle {
         } else if !lands_by_rtl && contains(RETURN_PATH_START) {
             Some("DO_RETURN_PATH_START set and RTL_AUTOLAND disabled".into())
         } else {
-            None
+            self.fence_forbids_arming()
         }
     }
 
@@ -79,6 +79,7 @@ impl Vehicle {
             self.begin_mission();
         }
         self.flight.arm();
+        self.arming_changes_fence();
         self.restart_setpoint_timeout();
         self.say(MavSeverity::MAV_SEVERITY_INFO, "Throttle armed");
     }
@@ -89,6 +90,7 @@ impl Vehicle {
     }
 
     fn have_disarmed(&mut self) {
+        self.arming_changes_fence();
         self.stop_setpoint_timeout();
         // In AUTO ArduPlane stays where the mission has come to.
         if self.mode() != Mode::Auto {

@@ -150,19 +150,14 @@ impl Vehicle {
             MavCmd::MAV_CMD_RUN_PREARM_CHECKS => self.run_prearm_checks(),
             MavCmd::MAV_CMD_DO_SET_HOME => self.do_set_home(command),
             MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
-            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => {
-                self.set_mode(Mode::Loiter);
-                Ok(())
-            }
-            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => {
-                self.set_mode(Mode::Rtl);
-                Ok(())
-            }
+            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.enter(Mode::Loiter),
+            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.enter(Mode::Rtl),
             MavCmd::MAV_CMD_MISSION_START => self.start_mission([p1, p2]),
             MavCmd::MAV_CMD_DO_LAND_START => self.start_landing(),
             MavCmd::MAV_CMD_DO_RETURN_PATH_START => self.start_return_path(),
             MavCmd::MAV_CMD_DO_GO_AROUND => self.go_around(p1),
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
+            MavCmd::MAV_CMD_DO_FENCE_ENABLE => self.enable_fence([p1, p2]),
             // ArduPlane takes it for quadplanes alone.
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
             MavCmd::MAV_CMD_DO_REPOSITION => self.reposition(command),
@@ -200,6 +195,9 @@ impl Vehicle {
     pub(crate) fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
         if mode == Mode::Auto && !self.mission.is_flyable() {
             return Err(Refusal::failed("Auto: no mission"));
+        }
+        if let Some(reason) = self.fence_forbids(mode) {
+            return Err(Refusal::failed(reason));
         }
         self.set_mode(mode);
         Ok(())

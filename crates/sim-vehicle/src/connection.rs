@@ -57,6 +57,7 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
             Stream::SysStatus,
             Stream::GpsRawInt,
             Stream::MissionCurrent,
+            Stream::FenceStatus,
             Stream::GlobalPositionInt,
             Stream::LocalPositionNed,
             Stream::Attitude,
@@ -65,7 +66,7 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
             Stream::BatteryStatus,
         ],
         MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => {
-            &[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent]
+            &[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent, Stream::FenceStatus]
         }
         MavDataStream::MAV_DATA_STREAM_POSITION => &[Stream::GlobalPositionInt, Stream::LocalPositionNed],
         MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[Stream::Attitude],

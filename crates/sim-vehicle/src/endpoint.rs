@@ -3,7 +3,7 @@
 use crate::hosting::{Advance, Clock, HostError, Observer};
 use crate::parameters::file;
 use crate::services::target_system;
-use crate::{Vehicle, VehicleCounters};
+use crate::{Vehicle, VehicleCounters, plans};
 use flight_model::State;
 use mavlink_bridge::{Counters, LinkError, UdpLink, messages};
 use std::collections::HashMap;
@@ -117,6 +117,7 @@ impl Endpoint {
                 self.vehicles[index].handle_frame(shell.started.elapsed(), &frame, &message, from);
                 self.fly(index, shell);
                 self.keep_parameters(index);
+                self.keep_plans(index);
             }
         }
         self.frames = counters;
@@ -131,6 +132,18 @@ impl Endpoint {
         let path = file::path(folder, self.first + index);
         if let Err(error) = file::write(&path, vehicle.set_parameters()) {
             tracing::warn!(path = %path.display(), %error, "cannot keep parameters");
+        }
+    }
+
+    /// The same for its plans.
+    fn keep_plans(&mut self, index: usize) {
+        let vehicle = &mut self.vehicles[index];
+        let Some(folder) = &self.parameters_folder else { return };
+        for kind in vehicle.take_changed_plans() {
+            let path = plans::file::path(folder, self.first + index, kind);
+            if let Err(error) = plans::file::write(&path, vehicle.plan(kind)) {
+                tracing::warn!(path = %path.display(), %error, "cannot keep a plan");
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::endpoint::{Endpoint, EndpointReport, stopped};
 use crate::hosting::{Clock, HostError, Observer};
 use crate::parameters::{Pace, file};
-use crate::{Vehicle, VehicleCounters, VehicleSettings};
+use crate::{Vehicle, VehicleCounters, VehicleSettings, plans};
 use mavlink_bridge::{Counters, LinkError, LinkSettings, UdpLink};
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -26,7 +26,8 @@ pub struct HostSettings {
     pub clock: Clock,
     /// Receive buffer and impairment of every port. Each port draws its own random numbers from the seed.
     pub link: LinkSettings,
-    /// Folder of the files in which parameters survive a restart, `vehicle-1.parm` and so on; none: they do not.
+    /// Folder of the files in which parameters and plans survive a restart, `vehicle-1.parm`, `vehicle-1-mission.txt` and
+    /// so on; none: they do not.
     pub parameters_folder: Option<PathBuf>,
 }
 
@@ -76,6 +77,7 @@ impl Host {
             .map(|(vehicle, mut own)| {
                 if let Some(folder) = &settings.parameters_folder {
                     own.parameters = file::read(&file::path(folder, vehicle))?;
+                    own.plans = plans::file::read(folder, vehicle)?;
                 }
                 let built = match settings.clock {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),

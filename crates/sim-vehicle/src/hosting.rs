@@ -1,6 +1,6 @@
 //! What a host and its ports have in common: the clock, who looks on, and what can go wrong.
 
-use crate::{LockstepSettings, ParameterFileError, SettingsError};
+use crate::{LockstepSettings, ParameterFileError, PlanFileError, SettingsError};
 use flight_model::State;
 use mavlink_bridge::LinkError;
 use std::sync::Arc;
@@ -58,6 +58,9 @@ pub enum HostError {
     /// A vehicle's file of parameters cannot be read.
     #[error(transparent)]
     ParameterFile(#[from] ParameterFileError),
+    /// A vehicle's file of a plan cannot be read.
+    #[error(transparent)]
+    PlanFile(#[from] PlanFileError),
     /// The ports needed go beyond 65535.
     #[error("{count} ports from {base_port} up go beyond 65535")]
     TooManyPorts {

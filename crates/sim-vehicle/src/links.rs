@@ -5,7 +5,7 @@ use crate::streams::{Schedule, Stream};
 use crate::telemetry::Instruments;
 use crate::{PeerId, TelemetryRates, Transmit, VehicleSettings};
 use mavlink_bridge::dialect::{MavResult, Message};
-use mavlink_bridge::{Encoder, ItemKind, PlanItem, Target, Version};
+use mavlink_bridge::{Encoder, PlanItemMessage, Target, Version};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -73,17 +73,9 @@ impl Links {
         self.links[index].encoder.version
     }
 
-    /// Sends an item of a mission.
-    pub fn send_plan_item(
-        &mut self,
-        index: usize,
-        seq: u16,
-        item: &PlanItem,
-        current: bool,
-        kind: ItemKind,
-        to: Target,
-    ) {
-        self.write(index, |encoder, frame| encoder.encode_plan_item(seq, item, current, kind, to, frame));
+    /// Sends an item of a plan.
+    pub fn send_plan_item(&mut self, index: usize, message: &PlanItemMessage<'_>) {
+        self.write(index, |encoder, frame| encoder.encode_plan_item(message, frame));
     }
 
     /// The peer of a link.
@@ -180,7 +172,9 @@ impl Links {
     /// Sends what is due on each link.
     pub fn send_due(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
-            for stream in self.links[index].schedule.take_due(instruments.time) {
+            for stream in
+                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+            {
                 self.send(index, &instruments.message(stream));
             }
         }
@@ -190,7 +184,9 @@ impl Links {
     /// Sends what is due on each link, and the position last whether it is due or not.
     pub fn send_due_and_position(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
-            for stream in self.links[index].schedule.take_due(instruments.time) {
+            for stream in
+                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+            {
                 if stream != Stream::LocalPositionNed {
                     self.send(index, &instruments.message(stream));
                 }

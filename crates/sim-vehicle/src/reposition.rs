@@ -20,6 +20,9 @@ impl Vehicle {
         if self.mode() != Mode::Guided && change_mode as i64 & 1 == 0 {
             return Err(Refusal::failed(format!("Reposition: mode is {}", self.mode())));
         }
+        if let Some(reason) = self.fence_forbids(Mode::Guided) {
+            return Err(Refusal::failed(reason));
+        }
         let clockwise = turn.is_nan() || turn == 0.0;
         let place = self.to_local(latitude_e7, longitude_e7);
         self.set_mode(Mode::Guided);

@@ -1,6 +1,6 @@
 //! What a vehicle is told before it flies.
 
-use crate::{Mode, Personality};
+use crate::{Mode, Personality, Plans};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -41,6 +41,8 @@ pub struct VehicleSettings {
     pub ground: Option<SocketAddr>,
     /// Parameters that were set before, by name, in order.
     pub parameters: Vec<(String, f32)>,
+    /// The plans that were on board before.
+    pub plans: Plans,
 }
 
 /// Telemetry rates, Hz; 0 is off.
@@ -92,6 +94,9 @@ pub enum SettingsError {
     /// A parameter that the vehicle does not have.
     #[error("no parameter {0}")]
     NoSuchParameter(String),
+    /// A plan that the vehicle refuses; the message says which item and why.
+    #[error("{0}")]
+    Plan(String),
     /// A parameter with a value that it refuses; the message says which and why.
     #[error("{0}")]
     Parameter(String),
@@ -127,6 +132,7 @@ impl Default for VehicleSettings {
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
             parameters: Vec::new(),
+            plans: Plans::default(),
         }
     }
 }

@@ -14,6 +14,7 @@ pub(crate) enum Stream {
     VfrHud,
     GpsRawInt,
     MissionCurrent,
+    FenceStatus,
     GpsGlobalOrigin,
     HomePosition,
     BatteryStatus,
@@ -24,7 +25,7 @@ pub(crate) enum Stream {
 }
 
 impl Stream {
-    pub const COUNT: usize = 15;
+    pub const COUNT: usize = 16;
     pub const ALL: [Stream; Self::COUNT] = [
         Stream::Heartbeat,
         Stream::SysStatus,
@@ -34,6 +35,7 @@ impl Stream {
         Stream::VfrHud,
         Stream::GpsRawInt,
         Stream::MissionCurrent,
+        Stream::FenceStatus,
         Stream::GpsGlobalOrigin,
         Stream::HomePosition,
         Stream::BatteryStatus,
@@ -58,6 +60,7 @@ impl Stream {
             Stream::VfrHud => 74,
             Stream::BatteryStatus => 147,
             Stream::AutopilotVersion => 148,
+            Stream::FenceStatus => 162,
             Stream::HomePosition => 242,
             Stream::ExtendedSysState => 245,
             Stream::ProtocolVersion => 300,
@@ -72,7 +75,7 @@ impl Stream {
         match self {
             Stream::Heartbeat => rates.heartbeat_hz,
             // One group, as in ArduPlane.
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => rates.sys_status_hz,
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent | Stream::FenceStatus => rates.sys_status_hz,
             Stream::SystemTime => rates.system_time_hz,
             Stream::Attitude => rates.attitude_hz,
             Stream::GlobalPositionInt => rates.global_position_int_hz,
@@ -91,7 +94,9 @@ impl Stream {
     pub fn set_default_rate(self, rates: &mut TelemetryRates, rate_hz: f64) {
         let rate = match self {
             Stream::Heartbeat => &mut rates.heartbeat_hz,
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent => &mut rates.sys_status_hz,
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent | Stream::FenceStatus => {
+                &mut rates.sys_status_hz
+            }
             Stream::SystemTime => &mut rates.system_time_hz,
             Stream::Attitude => &mut rates.attitude_hz,
             Stream::GlobalPositionInt => &mut rates.global_position_int_hz,

@@ -1,12 +1,13 @@
 //! What the vehicle says of itself.
 
+use crate::fence::FenceReport;
 use crate::flight::Flight;
 use crate::mission::{Mission, Progress};
 use crate::streams::Stream;
 use crate::{Mode, Personality};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    BATTERY_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavBatteryFault, MavLandedState,
+    BATTERY_STATUS_DATA, FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavBatteryFault, MavLandedState,
     MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
     SYS_STATUS_DATA,
 };
@@ -25,10 +26,16 @@ pub(crate) struct Instruments<'a> {
     pub failsafe: bool,
     /// Whether it is armed, or nothing stands against it.
     pub is_armable: bool,
+    pub fence: FenceReport,
     pub clock_epoch_us: u64,
 }
 
 impl Instruments<'_> {
+    /// Whether there is anything to say when a stream is due; asked for, it is said anyhow.
+    pub fn has(&self, stream: Stream) -> bool {
+        stream != Stream::FenceStatus || self.fence.is_enabled
+    }
+
     pub fn message(&self, stream: Stream) -> Message {
         let (time, state) = (self.time, self.flight.state());
         let origin = self.frame.origin();
@@ -63,6 +70,7 @@ impl Instruments<'_> {
             }
             Stream::GpsRawInt => telemetry::gps_raw_int(time, state, self.frame),
             Stream::MissionCurrent => self.mission_current(),
+            Stream::FenceStatus => self.fence_status(),
             Stream::BatteryStatus => unknown_battery(),
             Stream::ExtendedSysState => telemetry::extended_sys_state(self.landed_state()),
             Stream::AutopilotVersion => {
@@ -125,6 +133,17 @@ impl Instruments<'_> {
         })
     }
 
+    fn fence_status(&self) -> Message {
+        let fence = &self.fence;
+        Message::FENCE_STATUS(FENCE_STATUS_DATA {
+            breach_time: mavlink_bridge::boot_ms(fence.breached_at),
+            breach_count: fence.breaches,
+            breach_status: u8::from(fence.breached != 0),
+            breach_type: fence.breach_type(),
+            ..FENCE_STATUS_DATA::DEFAULT
+        })
+    }
+
     fn status(&self) -> MavState {
         if self.failsafe {
             MavState::MAV_STATE_CRITICAL
@@ -147,11 +166,15 @@ impl Instruments<'_> {
             | MavSysStatusSensor::MAV_SYS_STATUS_AHRS
             | MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
         // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
-        let mut healthy = sensors | MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+        let fence = |holds: bool| {
+            let bit = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+            if holds { bit } else { MavSysStatusSensor::empty() }
+        };
+        let mut healthy = sensors | fence(self.fence.breached == 0);
         healthy.set(MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK, self.is_armable);
         Message::SYS_STATUS(SYS_STATUS_DATA {
-            onboard_control_sensors_present: sensors,
-            onboard_control_sensors_enabled: sensors,
+            onboard_control_sensors_present: sensors | fence(self.fence.is_present),
+            onboard_control_sensors_enabled: sensors | fence(self.fence.is_active),
             onboard_control_sensors_health: healthy,
             // No battery is simulated: the values that mean "not known".
             voltage_battery: u16::MAX,
@@ -171,6 +194,8 @@ fn capabilities() -> MavProtocolCapability {
     MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }
@@ -207,6 +232,7 @@ mod tests {
             frame: &VehicleSettings::default().frame,
             failsafe: false,
             is_armable: true,
+            fence: FenceReport::default(),
             clock_epoch_us: 7,
         };
         instruments.message(stream)

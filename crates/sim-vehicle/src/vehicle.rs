@@ -1,12 +1,15 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
 use crate::failsafe::Failsafes;
+use crate::fence::Fence;
 use crate::flight::Flight;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
-use crate::mission::{Mission, Progress, Upload};
+use crate::mission::{Mission, Progress};
 use crate::parameters::{Listings, Pace, Parameters};
 use crate::personality::px4;
+use crate::plans::{PlanKind, Uploads};
+use crate::rally::Rally;
 use crate::services::target_system;
 use crate::streams::Stream;
 use crate::telemetry::Instruments;
@@ -62,7 +65,10 @@ pub struct Vehicle {
     pub(crate) pace: Arc<Pace>,
     pub(crate) mission: Mission,
     pub(crate) progress: Progress,
-    pub(crate) upload: Option<Upload>,
+    pub(crate) fence: Fence,
+    pub(crate) rally: Rally,
+    pub(crate) uploads: Uploads,
+    pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     /// Vehicle time at which it last flew.
@@ -114,7 +120,10 @@ impl Vehicle {
             pace: Arc::default(),
             mission: Mission::default(),
             progress: Progress::default(),
-            upload: None,
+            fence: Fence::default(),
+            rally: Rally::default(),
+            uploads: Uploads::default(),
+            plans_changed: Default::default(),
             quiet_until: Duration::ZERO,
             flown_at: Duration::ZERO,
             home_is_set: false,
@@ -127,6 +136,8 @@ impl Vehicle {
             let known = vehicle.parameters.named(&name).ok_or(SettingsError::NoSuchParameter(name))?;
             vehicle.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
         }
+        let plans = std::mem::take(&mut vehicle.settings.plans);
+        vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
         let in_lockstep = vehicle.lockstep.is_some();
         let first_mode = vehicle.settings.personality.first_mode(vehicle.mode(), in_lockstep);
@@ -203,6 +214,7 @@ impl Vehicle {
         self.time = tick_end;
         track.push(*self.flight.state());
         self.check_failsafes();
+        self.check_fence();
         self.follow_mission();
         self.follow_personality();
         self.with_instruments(Links::send_due_and_position);
@@ -224,7 +236,7 @@ impl Vehicle {
             return None;
         }
         let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
-        [resend_at, self.listings.next_due(), self.upload_due()].into_iter().flatten().min()
+        [resend_at, self.listings.next_due(), self.uploads.due()].into_iter().flatten().min()
     }
 
     /// Tells the vehicle the host time: it forgets silent peers, goes on with lists and uploads, and in lockstep asks
@@ -236,7 +248,7 @@ impl Vehicle {
             self.counters.resends += 1;
         }
         self.send_listings();
-        self.check_upload();
+        self.check_uploads();
     }
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
@@ -302,6 +314,7 @@ impl Vehicle {
             self.time += step;
             track.push(*self.flight.state());
             self.check_failsafes();
+            self.check_fence();
             self.follow_mission();
             self.follow_personality();
             if self.time >= self.links.next_due() {
@@ -314,10 +327,16 @@ impl Vehicle {
         if mode == Mode::Auto && self.mode() != Mode::Auto {
             self.begin_mission();
         }
-        if mode == Mode::Rtl && self.mode() != Mode::Rtl {
+        let is_new = mode != self.mode();
+        if mode == Mode::Rtl && is_new {
+            let rally = self.best_rally();
+            self.flight.set_rally(rally);
             self.progress.has_looked_for_landing = false;
         }
         self.flight.set_mode(mode);
+        if is_new {
+            self.mode_changes_fence();
+        }
         self.failsafes.setpoints_lost = false;
         self.px4.failsafe = None;
         self.restart_setpoint_timeout();
@@ -362,6 +381,7 @@ impl Vehicle {
             frame: &self.settings.frame,
             mission: &self.mission,
             progress: &self.progress,
+            fence: self.fence.report(&self.parameters),
             failsafe: self.is_in_failsafe(),
             is_armable,
             clock_epoch_us: self.settings.clock_epoch_us,

@@ -8,7 +8,7 @@ use flight_model::State;
 use mavlink_bridge::dialect::MavCmd::*;
 use mavlink_bridge::dialect::MavMissionResult::*;
 use mavlink_bridge::dialect::*;
-use mavlink_bridge::{Encoder, ItemKind, PlanItem, Target, Version};
+use mavlink_bridge::{Encoder, ItemKind, PlanItem, PlanItemMessage, Target, Version};
 use sim_vehicle::Mode;
 use std::time::Duration;
 
@@ -42,7 +42,8 @@ fn count(count: u16) -> Message {
 
 fn send_item(client: &mut Client, seq: u16, item: &PlanItem) -> Vec<Message> {
     let mut datagram = Vec::new();
-    client.encoder.encode_plan_item(seq, item, false, ItemKind::Int, TO, &mut datagram);
+    let message = PlanItemMessage { mission_type: 0, seq, item, is_current: false, kind: ItemKind::Int, to: TO };
+    client.encoder.encode_plan_item(&message, &mut datagram);
     client.vehicle.handle(client.vehicle.time(), &datagram, client.address);
     client.collect()
 }
@@ -146,8 +147,8 @@ fn a_part_is_replaced_and_the_rest_stays() {
     assert_eq!(result(&send_item(&mut client, 3, &waypoint(2.0, 2.0, 71.0))), Some(MAV_MISSION_ACCEPTED));
     let altitudes: Vec<f32> = on_board(&mut client).iter().map(|item| item.z).collect();
     assert_eq!(altitudes, [50.0, 60.0, 70.0, 71.0, 60.0]);
-    for (first, last) in [(-1, 2), (3, 2), (2, 5)] {
-        assert_eq!(result(&client.ask(&partial(first, last))), Some(MAV_MISSION_INVALID_SEQUENCE));
+    for (first, last) in [(-1, 2), (3, 2), (2, 6), (6, 6)] {
+        assert_eq!(result(&client.ask(&partial(first, last))), Some(MAV_MISSION_ERROR));
     }
 }
 
@@ -185,7 +186,7 @@ fn a_second_writer_is_denied() {
     client.ask(&count(2));
     client.address = peer(50_000);
     assert_eq!(result(&client.ask(&count(2))), Some(MAV_MISSION_DENIED));
-    assert_eq!(result(&send_item(&mut client, 0, &waypoint(0.0, 0.0, 9.0))), Some(MAV_MISSION_ERROR));
+    assert_eq!(result(&send_item(&mut client, 0, &waypoint(0.0, 0.0, 9.0))), Some(MAV_MISSION_DENIED));
     client.address = peer(40_000);
     send_item(&mut client, 0, &waypoint(0.0, 0.0, 9.0));
     assert_eq!(result(&send_item(&mut client, 1, &waypoint(0.0, 0.0, 9.0))), Some(MAV_MISSION_ACCEPTED));

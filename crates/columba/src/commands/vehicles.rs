@@ -32,11 +32,11 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     let link =
         LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
     let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
-    if let Some(folder) = &args.params_folder {
+    if let Some(folder) = &args.state_folder {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let settings = HostSettings {
-        parameters_folder: args.params_folder.clone(),
+        parameters_folder: args.state_folder.clone(),
         ..flying::host_settings(&scenario, clock, base_port, link)
     };
     let personality = scenario.autopilot.personality;

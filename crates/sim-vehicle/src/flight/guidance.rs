@@ -15,7 +15,21 @@ pub(super) enum Direction {
     Place((f64, f64)),
 }
 
+/// A place to return to instead of home.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RallyPlace {
+    /// (north, east) in m.
+    pub at: (f64, f64),
+    /// Altitude of the way there, m above the origin.
+    pub altitude_m: f64,
+}
+
 impl Flight {
+    /// Where RTL will go when it is entered; none: home.
+    pub fn set_rally(&mut self, rally: Option<RallyPlace>) {
+        self.rally = rally;
+    }
+
     /// In GUIDED, circles another place than where it was entered.
     pub fn reposition(&mut self, place: (f64, f64), radius_m: f64) {
         self.guided_point = place;
@@ -73,6 +87,11 @@ impl Flight {
         self.limit_lateral_acceleration(f64::INFINITY);
         let dynamics = self.limited_dynamics();
         self.direction = Direction::Circle(Circle::new(centre, radius_m, &dynamics, self.autopilot.step_s()));
+    }
+
+    /// Whether TAKEOFF is at its altitude and circles.
+    pub fn has_taken_off(&self) -> bool {
+        self.mode == Mode::Takeoff && matches!(self.direction, Direction::Circle(_))
     }
 
     /// Climbs straight on to an altitude, m above the origin, from the ground or in the air.

@@ -8,6 +8,7 @@ mod ramp;
 mod tuning;
 
 pub(crate) use ground::Event;
+pub(crate) use guidance::RallyPlace;
 pub(crate) use tuning::{TAKEOFF_ALTITUDE_M, TAKEOFF_TOLERANCE_M, Tuning};
 
 use crate::{Mode, VehicleSettings};
@@ -37,6 +38,7 @@ pub(crate) struct Flight {
     home: Home,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: (f64, f64),
+    rally: Option<RallyPlace>,
     speed: Ramp,
     altitude: Ramp,
     direction: Direction,
@@ -51,6 +53,13 @@ pub(crate) struct Home {
     pub y_m: f64,
     /// Above the origin, m.
     pub altitude_m: f64,
+}
+
+impl Home {
+    /// (north, east) in m.
+    pub fn at(&self) -> (f64, f64) {
+        (self.x_m, self.y_m)
+    }
 }
 
 /// What a flight is in the middle of, beside its mode.
@@ -90,6 +99,7 @@ impl Flight {
             stage: Stage::Normal,
             home: Home::default(),
             guided_point: (start.x_m, start.y_m),
+            rally: None,
             speed: Ramp::at(start.speed_mps),
             altitude: Ramp::at(start.altitude_m),
             direction: Direction::Course(start.course_rad),
@@ -298,8 +308,10 @@ impl Flight {
         if let Some(speed_mps) = self.tuning.cruise_speed_mps {
             self.set_speed(speed_mps, f64::INFINITY);
         }
-        if let Some(altitude_m) = self.tuning.rtl_altitude_m.filter(|_| self.mode == Mode::Rtl) {
-            self.set_altitude(self.home.altitude_m + altitude_m, f64::INFINITY);
+        let above_home_m = self.tuning.rtl_altitude_m.map(|altitude_m| self.home.altitude_m + altitude_m);
+        let return_altitude_m = self.rally.map(|rally| rally.altitude_m).or(above_home_m);
+        if let Some(altitude_m) = return_altitude_m.filter(|_| self.mode == Mode::Rtl) {
+            self.set_altitude(altitude_m, f64::INFINITY);
         }
     }
 
@@ -342,7 +354,7 @@ impl Flight {
             // The mission says where to; until then, as before.
             Mode::Auto | Mode::Course => self.fly_by_itself(),
             Mode::Rtl => {
-                self.circle((self.home.x_m, self.home.y_m), self.tuning.rtl_radius_m);
+                self.circle(self.rally.map_or(self.home.at(), |rally| rally.at), self.tuning.rtl_radius_m);
                 self.fly_by_itself();
             }
             Mode::Loiter | Mode::Circle => {

@@ -1,8 +1,8 @@
 //! AUTO: one item after the other.
 
 use super::items::{
-    CHANGE_ALTITUDE, CHANGE_SPEED, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE, LOITER_TURNS,
-    LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT,
+    CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
+    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT,
 };
 use crate::flight::TAKEOFF_TOLERANCE_M;
 use crate::parameters::Parameter;
@@ -125,6 +125,9 @@ impl Vehicle {
             if matches!(self.progress.leg, Leg::Begin) {
                 self.begin_item(&item);
             } else if self.is_leg_done() {
+                if item.command == TAKEOFF {
+                    self.takeoff_changes_fence();
+                }
                 self.end_leg();
             } else {
                 return;
@@ -216,6 +219,12 @@ impl Vehicle {
                 } else {
                     self.set_home_at(at, altitude_m);
                 }
+                return self.go_to(seq + 1);
+            }
+            FENCE_ENABLE => {
+                // A fence that is not there is not enabled; the mission goes on.
+                let [action, kinds, ..] = item.params;
+                let _ = self.enable_fence([action, kinds]);
                 return self.go_to(seq + 1);
             }
             JUMP => return self.jump(seq, p1 as u16, p2),
@@ -317,7 +326,7 @@ impl Vehicle {
     }
 
     /// Where an item is, (north, east) in m; without a place, here.
-    pub(super) fn place_of(&self, item: &PlanItem) -> (f64, f64) {
+    pub(crate) fn place_of(&self, item: &PlanItem) -> (f64, f64) {
         if item.latitude_e7 == 0 && item.longitude_e7 == 0 {
             let state = self.flight.state();
             return (state.x_m, state.y_m);
@@ -326,7 +335,7 @@ impl Vehicle {
     }
 
     /// Its altitude, m above the origin: terrain is as high as home.
-    fn altitude_of(&self, item: &PlanItem) -> f64 {
+    pub(crate) fn altitude_of(&self, item: &PlanItem) -> f64 {
         let above_sea = matches!(item.frame, 0 | 2 | 5);
         let base_m =
             if above_sea { -self.settings.frame.origin().altitude_amsl_m } else { self.flight.home().altitude_m };

@@ -17,16 +17,17 @@ pub(super) const CHANGE_SPEED: u16 = MavCmd::MAV_CMD_DO_CHANGE_SPEED as u32 as u
 pub(super) const SET_HOME: u16 = MavCmd::MAV_CMD_DO_SET_HOME as u32 as u16;
 pub(crate) const RETURN_PATH_START: u16 = MavCmd::MAV_CMD_DO_RETURN_PATH_START as u32 as u16;
 pub(crate) const LAND_START: u16 = MavCmd::MAV_CMD_DO_LAND_START as u32 as u16;
+pub(super) const FENCE_ENABLE: u16 = MavCmd::MAV_CMD_DO_FENCE_ENABLE as u32 as u16;
 pub(super) const GO_AROUND: u16 = MavCmd::MAV_CMD_DO_GO_AROUND as u32 as u16;
 /// JUMP_TAG and DO_JUMP_TAG, which the common dialect of our bridge does not name.
 pub(super) const TAG: u16 = 600;
 pub(super) const JUMP_TO_TAG: u16 = 601;
 
 /// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are none
-/// while it is armed), conditions of such items, servos, relays, cameras, gimbals, the fence's switch, engines, scripts.
-const WITHOUT_EFFECT: [u16; 39] = [
-    92, 93, 112, 114, 115, 181, 182, 183, 184, 193, 194, 195, 197, 201, 202, 203, 205, 206, 207, 208, 210, 211, 212,
-    215, 216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 42600, 42703,
+/// while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.
+const WITHOUT_EFFECT: [u16; 38] = [
+    92, 93, 112, 114, 115, 181, 182, 183, 184, 193, 194, 195, 197, 201, 202, 203, 205, 206, 208, 210, 211, 212, 215,
+    216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 42600, 42703,
 ];
 
 /// Whether an item has a place, as ArduPilot stores it.
@@ -43,7 +44,7 @@ pub(super) fn has_place(command: u16) -> bool {
 /// beyond it: numbers must be such that the item can be flown.
 pub(crate) fn check(item: &PlanItem, count: u16) -> Result<(), MavMissionResult> {
     let is_known = has_place(item.command)
-        || matches!(item.command, RETURN_TO_LAUNCH | JUMP | CHANGE_SPEED | TAG | JUMP_TO_TAG)
+        || matches!(item.command, RETURN_TO_LAUNCH | JUMP | CHANGE_SPEED | FENCE_ENABLE | TAG | JUMP_TO_TAG)
         || WITHOUT_EFFECT.contains(&item.command);
     if !is_known {
         return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED);

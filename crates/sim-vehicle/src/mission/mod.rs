@@ -3,11 +3,9 @@
 mod auto;
 mod items;
 mod landing;
-mod transfer;
 
 pub(crate) use auto::Progress;
 pub(crate) use items::{LAND_START, RETURN_PATH_START, WAYPOINT, check};
-pub(crate) use transfer::Upload;
 
 use mavlink_bridge::PlanItem;
 

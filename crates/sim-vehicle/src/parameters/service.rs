@@ -98,6 +98,7 @@ impl Vehicle {
             }
             Effect::Rates(streams) => self.set_rates(streams, value),
             Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
+            Effect::Fence => self.reconfigure_fence(parameter),
             Effect::LookedUp | Effect::ReadOnly => {}
         }
         Ok(())
@@ -146,6 +147,8 @@ impl Vehicle {
     fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
         let value = match parameter {
             Parameter::RunTime => self.time.as_secs() as f32,
+            Parameter::FenceTotal => self.fence.total() as f32,
+            Parameter::RallyTotal => self.rally.items.len() as f32,
             other => self.parameters.get(other),
         };
         let (name, kind) = (self.parameters.name(parameter), self.parameters.kind(parameter));

@@ -36,6 +36,8 @@ pub(crate) enum Effect {
     Rates(&'static [Stream]),
     /// Who the vehicle is.
     SystemId,
+    /// Which fences are enabled.
+    Fence,
 }
 
 /// A row is: who it is in the code, its name, its type, its initial value, its range, its effect.
@@ -96,6 +98,22 @@ parameters! {
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     LongFailsafeAction: "FS_LONG_ACTN", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     LongFailsafeTimeout: "FS_LONG_TIMEOUT", REAL, |_| 5.0, |_| (1.0, 300.0), Effect::LookedUp;
+
+    FenceEnable: "FENCE_ENABLE", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::Fence;
+    FenceType: "FENCE_TYPE", INT8, |_| 4.0, |_| (0.0, 15.0), Effect::Fence;
+    FenceAction: "FENCE_ACTION", INT8, |_| 1.0, |_| (0.0, 8.0), Effect::LookedUp;
+    FenceAltitudeMax: "FENCE_ALT_MAX", REAL, |_| 100.0, |_| (0.0, 10_000.0), Effect::LookedUp;
+    FenceRadius: "FENCE_RADIUS", REAL, |_| 300.0, |_| (0.0, 1e6), Effect::LookedUp;
+    FenceMargin: "FENCE_MARGIN", REAL, |_| 2.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    FenceTotal: "FENCE_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    FenceAltitudeMin: "FENCE_ALT_MIN", REAL, |_| -10.0, |_| (-100.0, 10_000.0), Effect::LookedUp;
+    FenceReturnToRally: "FENCE_RET_RALLY", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    FenceReturnAltitude: "FENCE_RET_ALT", INT16, |_| 0.0, |_| (0.0, f32::from(i16::MAX)), Effect::LookedUp;
+    FenceAutoEnable: "FENCE_AUTOENABLE", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::Fence;
+    FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 3.0), Effect::LookedUp;
+    RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    RallyLimit: "RALLY_LIMIT_KM", REAL, |_| 5.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
 
     RunTime: "STAT_RUNTIME", INT32, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
 

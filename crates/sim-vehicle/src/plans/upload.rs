@@ -1,0 +1,244 @@
+//! Uploads. One replaces its plan when the last item has come and all of them make sense, and not before.
+
+// Clients still speak what the dialect calls superseded, and ArduPlane answers.
+#![allow(deprecated)]
+
+use super::PlanKind;
+use crate::{PeerId, Vehicle};
+use mavlink_bridge::dialect::{MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavMissionResult, MavSeverity, Message};
+use mavlink_bridge::{PlanItem, Target, Version};
+use std::time::Duration;
+
+/// Host time after which an item is asked for again.
+const ASK_AGAIN_AFTER: Duration = Duration::from_millis(400);
+/// Host time without any item after which an upload is given up, as ArduPilot does.
+const GIVE_UP_AFTER: Duration = Duration::from_secs(8);
+
+/// The uploads that are under way, of each plan at most one.
+#[derive(Debug, Default)]
+pub(crate) struct Uploads([Option<Upload>; PlanKind::ALL.len()]);
+
+/// An upload that is under way, or the one before: its writer may not have heard that it was accepted.
+#[derive(Debug)]
+struct Upload {
+    writer: Writer,
+    first: u16,
+    items: Vec<PlanItem>,
+    /// How many items are to come, and how many there will be on board.
+    count: u16,
+    total: u16,
+    /// Host times.
+    heard: Duration,
+    ask_at: Duration,
+}
+
+/// Who uploads: somebody at an address, which several may share behind a router.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Writer {
+    peer: PeerId,
+    sender: Target,
+}
+
+impl Upload {
+    fn is_complete(&self) -> bool {
+        self.items.len() >= usize::from(self.count)
+    }
+
+    /// The index of the item that is waited for.
+    fn next(&self) -> u16 {
+        self.first + u16::try_from(self.items.len()).unwrap_or(u16::MAX)
+    }
+
+    /// Host time at which something is to be done about it.
+    fn due(&self) -> Option<Duration> {
+        (!self.is_complete()).then_some(self.ask_at)
+    }
+}
+
+impl Uploads {
+    /// Host time at which one of them wants attention.
+    pub fn due(&self) -> Option<Duration> {
+        self.0.iter().flatten().filter_map(Upload::due).min()
+    }
+
+    fn of(&mut self, kind: PlanKind) -> &mut Option<Upload> {
+        &mut self.0[kind as usize]
+    }
+}
+
+impl Vehicle {
+    /// Asks again for items that did not come, and in the end no more.
+    pub(crate) fn check_uploads(&mut self) {
+        let now = self.host_now;
+        for kind in PlanKind::ALL {
+            let Some(upload) =
+                self.uploads.of(kind).as_mut().filter(|upload| upload.due().is_some_and(|due| due <= now))
+            else {
+                continue;
+            };
+            upload.ask_at = now + ASK_AGAIN_AFTER;
+            let is_lost = now.saturating_sub(upload.heard) >= GIVE_UP_AFTER;
+            let writer = upload.writer;
+            match self.links.of_peer(writer.peer) {
+                Some(link) if !is_lost => self.ask_for_item(link, kind),
+                link => {
+                    *self.uploads.of(kind) = None;
+                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("{} upload timeout", kind.name()));
+                    if let Some(link) = link {
+                        let result = MavMissionResult::MAV_MISSION_OPERATION_CANCELLED;
+                        self.acknowledge_plan(link, writer.sender, kind, result);
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn begin_upload(&mut self, link: usize, sender: Target, kind: PlanKind, count: u16) {
+        if self.is_uploaded_by_another(link, sender, kind) {
+            self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_DENIED);
+            return;
+        }
+        // Whoever begins anew has given up what he began before.
+        *self.uploads.of(kind) = None;
+        if count > kind.items_max() {
+            let text = format!("Only {} items are supported", kind.items_max());
+            self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+            self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_NO_SPACE);
+        } else if count == 0 {
+            self.clear_plan(link, sender, kind);
+        } else {
+            self.ask_for_items(link, sender, kind, 0..count, count);
+        }
+    }
+
+    /// Items from `first` to `last` are to be replaced; the one behind the end is added.
+    pub(super) fn begin_partial_upload(&mut self, link: usize, sender: Target, kind: PlanKind, first: i16, last: i16) {
+        let on_board = u16::try_from(self.plan(kind).len()).unwrap_or(u16::MAX);
+        let range = u16::try_from(first).ok().zip(u16::try_from(last).ok());
+        let range = range.filter(|(first, last)| first <= last && *last <= on_board && *last < kind.items_max());
+        // Not even who uploads himself may write a part meanwhile.
+        if self.uploads.of(kind).as_ref().is_some_and(|upload| !upload.is_complete()) {
+            self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_DENIED);
+        } else if let Some((first, last)) = range {
+            self.ask_for_items(link, sender, kind, first..last + 1, on_board.max(last + 1));
+        } else {
+            self.say(MavSeverity::MAV_SEVERITY_WARNING, "Flight plan update rejected");
+            self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
+        }
+    }
+
+    pub(super) fn take_item(&mut self, link: usize, sender: Target, kind: PlanKind, seq: u16, item: PlanItem) {
+        let (now, writer) = (self.host_now, Writer { peer: self.links.peer(link), sender });
+        let Some(upload) = self.uploads.of(kind) else {
+            self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
+            return;
+        };
+        let (next, total, is_complete) = (upload.next(), upload.total, upload.is_complete());
+        if upload.writer != writer {
+            let nobody =
+                if is_complete { MavMissionResult::MAV_MISSION_ERROR } else { MavMissionResult::MAV_MISSION_DENIED };
+            self.refuse_plan(link, sender, kind, nobody);
+        } else if is_complete && seq < next {
+            // The acknowledgement was lost.
+            self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
+        } else if is_complete {
+            self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
+        } else if seq > next {
+            // As in ArduPilot, the upload goes on with the item that was asked for.
+            self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
+        } else if seq == next {
+            if let Err(result) = kind.check(seq, &item, total) {
+                *self.uploads.of(kind) = None;
+                self.refuse_plan(link, sender, kind, result);
+                return;
+            }
+            upload.items.push(item);
+            (upload.heard, upload.ask_at) = (now, now + ASK_AGAIN_AFTER);
+            if upload.is_complete() {
+                self.end_upload(link, sender, kind);
+            } else {
+                self.ask_for_item(link, kind);
+            }
+        }
+        // An item that has come before is a repeat of somebody who did not hear the next request.
+    }
+
+    pub(super) fn clear_plan(&mut self, link: usize, sender: Target, kind: PlanKind) {
+        if self.is_uploaded_by_another(link, sender, kind) {
+            self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_DENIED);
+        } else {
+            self.empty_plan(kind);
+            self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
+        }
+    }
+
+    pub(super) fn empty_plan(&mut self, kind: PlanKind) {
+        *self.uploads.of(kind) = None;
+        // Nothing makes sense as a whole.
+        let _ = self.replace_plan(kind, Vec::new(), true);
+    }
+
+    /// Who uploads may break it off.
+    pub(super) fn hear_plan_ack(&mut self, link: usize, sender: Target, kind: PlanKind, result: u8) {
+        let is_broken_off = result != MavMissionResult::MAV_MISSION_ACCEPTED as u8;
+        if is_broken_off && !self.is_uploaded_by_another(link, sender, kind) {
+            *self.uploads.of(kind) = None;
+        }
+    }
+
+    pub(super) fn is_uploaded_by_another(&mut self, link: usize, sender: Target, kind: PlanKind) -> bool {
+        let writer = Writer { peer: self.links.peer(link), sender };
+        self.uploads.of(kind).as_ref().is_some_and(|upload| !upload.is_complete() && upload.writer != writer)
+    }
+
+    fn ask_for_items(&mut self, link: usize, sender: Target, kind: PlanKind, range: std::ops::Range<u16>, total: u16) {
+        let writer = Writer { peer: self.links.peer(link), sender };
+        let (heard, ask_at) = (self.host_now, self.host_now + ASK_AGAIN_AFTER);
+        let (first, count) = (range.start, range.end - range.start);
+        *self.uploads.of(kind) = Some(Upload { writer, first, items: Vec::new(), count, total, heard, ask_at });
+        self.ask_for_item(link, kind);
+    }
+
+    fn ask_for_item(&mut self, link: usize, kind: PlanKind) {
+        let Some(upload) = self.uploads.of(kind) else { return };
+        let Target { system_id: target_system, component_id: target_component } = upload.writer.sender;
+        let (seq, mission_type) = (upload.next(), kind.mission_type());
+        let request = match self.links.version(link) {
+            Version::V1 => {
+                Message::MISSION_REQUEST(MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type })
+            }
+            Version::V2 => Message::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
+                seq,
+                target_system,
+                target_component,
+                mission_type,
+            }),
+        };
+        self.links.send(link, &request);
+    }
+
+    /// The last item has come.
+    fn end_upload(&mut self, link: usize, sender: Target, kind: PlanKind) {
+        let Some(upload) = self.uploads.of(kind) else { return };
+        let (first, total, new) = (usize::from(upload.first), upload.total, upload.items.clone());
+        let anew = upload.count == total;
+        let mut items = if anew { Vec::new() } else { self.plan(kind).to_vec() };
+        items.resize(usize::from(total), PlanItem::default());
+        for (kept, new) in items.iter_mut().skip(first).zip(new) {
+            *kept = new;
+        }
+        match self.replace_plan(kind, items, anew) {
+            Ok(()) => {
+                if kind == PlanKind::Mission {
+                    self.say(MavSeverity::MAV_SEVERITY_INFO, "Flight plan received");
+                }
+                self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
+            }
+            Err(reason) => {
+                *self.uploads.of(kind) = None;
+                self.say(MavSeverity::MAV_SEVERITY_WARNING, &reason);
+                self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
+            }
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Fences and rally points as a client meets them: uploaded, downloaded, refused, kept, and obeyed.
+#![allow(clippy::panic, clippy::unwrap_used, deprecated)]
+
+mod common;
+
+use common::{Client, TARGET, peer, quiet, texts};
+use mavlink_bridge::dialect::MavCmd::*;
+use mavlink_bridge::dialect::MavMissionResult::*;
+use mavlink_bridge::dialect::*;
+use mavlink_bridge::{ItemKind, PlanItem, PlanItemMessage, Target};
+use sim_vehicle::{Mode, Plans, Vehicle, VehicleSettings};
+
+const TO: Target = Target { system_id: TARGET, component_id: 1 };
+const FENCE: MavMissionType = MavMissionType::MAV_MISSION_TYPE_FENCE;
+const RALLY: MavMissionType = MavMissionType::MAV_MISSION_TYPE_RALLY;
+const ACCEPTED: Option<MavResult> = Some(MavResult::MAV_RESULT_ACCEPTED);
+const FAILED: Option<MavResult> = Some(MavResult::MAV_RESULT_FAILED);
+
+fn item(command: MavCmd, p1: f32, north_m: f64, east_m: f64, z_m: f32) -> PlanItem {
+    let place = quiet().frame.to_geodetic(north_m, east_m, 0.0);
+    PlanItem {
+        params: [p1, 0.0, 0.0, 0.0],
+        latitude_e7: (place.latitude_deg * 1e7).round() as i32,
+        longitude_e7: (place.longitude_deg * 1e7).round() as i32,
+        z_m,
+        command: command as u32 as u16,
+        frame: 3,
+        autocontinue: 1,
+    }
+}
+
+/// A square round home, of so many metres each way.
+fn square(half_m: f64) -> Vec<PlanItem> {
+    let corners = [(-half_m, -half_m), (-half_m, half_m), (half_m, half_m), (half_m, -half_m)];
+    corners.map(|(x, y)| item(MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, 4.0, x, y, 0.0)).to_vec()
+}
+
+fn count(mission_type: MavMissionType, count: u16) -> Message {
+    Message::MISSION_COUNT(MISSION_COUNT_DATA {
+        count,
+        mission_type,
+        target_system: TARGET,
+        ..MISSION_COUNT_DATA::DEFAULT
+    })
+}
+
+fn send_item(client: &mut Client, mission_type: MavMissionType, seq: u16, item: &PlanItem) -> Vec<Message> {
+    let mission_type = mission_type as u8;
+    let message = PlanItemMessage { mission_type, seq, item, is_current: false, kind: ItemKind::Int, to: TO };
+    let mut datagram = Vec::new();
+    client.encoder.encode_plan_item(&message, &mut datagram);
+    client.vehicle.handle(client.vehicle.time(), &datagram, client.address);
+    client.collect()
+}
+
+fn result(messages: &[Message]) -> Option<(MavMissionType, MavMissionResult)> {
+    messages.iter().find_map(|message| match message {
+        Message::MISSION_ACK(ack) => Some((ack.mission_type, ack.mavtype)),
+        _ => None,
+    })
+}
+
+fn upload(client: &mut Client, kind: MavMissionType, items: &[PlanItem]) -> MavMissionResult {
+    let mut answer = client.ask(&count(kind, items.len() as u16));
+    for (seq, item) in items.iter().enumerate() {
+        answer = send_item(client, kind, seq as u16, item);
+    }
+    let (answered, result) = result(&answer).unwrap();
+    assert_eq!(answered, kind);
+    result
+}
+
+fn on_board(client: &mut Client, mission_type: MavMissionType) -> Vec<MISSION_ITEM_INT_DATA> {
+    let list = MISSION_REQUEST_LIST_DATA { target_system: TARGET, mission_type, ..MISSION_REQUEST_LIST_DATA::DEFAULT };
+    let answer = client.ask(&Message::MISSION_REQUEST_LIST(list));
+    // A vehicle says first who it is to whom it does not know.
+    let Some(Message::MISSION_COUNT(count)) = answer.last() else { panic!("{answer:?}") };
+    let read = |seq| {
+        let request =
+            MISSION_REQUEST_INT_DATA { seq, target_system: TARGET, mission_type, ..MISSION_REQUEST_INT_DATA::DEFAULT };
+        match client.ask(&Message::MISSION_REQUEST_INT(request)).as_slice() {
+            [Message::MISSION_ITEM_INT(item)] if item.mission_type == mission_type => item.clone(),
+            other => panic!("{other:?}"),
+        }
+    };
+    (0..count.count).map(read).collect()
+}
+
+fn set(client: &mut Client, name: &str, value: f32) {
+    let data = PARAM_SET_DATA {
+        param_value: value,
+        target_system: TARGET,
+        param_id: name.into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+        ..PARAM_SET_DATA::DEFAULT
+    };
+    let answer = client.ask(&Message::PARAM_SET(data));
+    assert!(matches!(answer.as_slice(), [Message::PARAM_VALUE(read)] if read.param_value == value), "{answer:?}");
+}
+
+fn set_mode(client: &mut Client, mode: Mode) -> Option<MavResult> {
+    client.command_long(MAV_CMD_DO_SET_MODE, [1.0, mode.number() as f32, 0.0])
+}
+
+#[test]
+fn the_three_plans_do_not_touch_each_other() {
+    let mut client = Client::new(quiet());
+    let points =
+        [item(MAV_CMD_NAV_RALLY_POINT, 0.0, 50.0, 60.0, 70.0), item(MAV_CMD_NAV_RALLY_POINT, 0.0, 1.0, 2.0, 3.0)];
+    // Two uploads at once, by two writers, of two plans.
+    client.ask(&count(FENCE, 4));
+    client.address = peer(50_000);
+    assert_eq!(upload(&mut client, RALLY, &points), MAV_MISSION_ACCEPTED);
+    assert_eq!(result(&client.ask(&count(FENCE, 4))), Some((FENCE, MAV_MISSION_DENIED)));
+    client.address = peer(40_000);
+    let corners = square(200.0);
+    let answers: Vec<_> =
+        corners.iter().zip(0..).map(|(corner, seq)| send_item(&mut client, FENCE, seq, corner)).collect();
+    assert_eq!(result(answers.last().unwrap()), Some((FENCE, MAV_MISSION_ACCEPTED)));
+    let fence = on_board(&mut client, FENCE);
+    assert_eq!(
+        fence.iter().map(|item| (item.x, item.y)).collect::<Vec<_>>(),
+        corners.iter().map(|item| (item.latitude_e7, item.longitude_e7)).collect::<Vec<_>>()
+    );
+    assert!(fence.iter().all(|item| item.param1 == 4.0));
+    assert_eq!(on_board(&mut client, RALLY).iter().map(|item| item.z).collect::<Vec<_>>(), [70.0, 3.0]);
+    assert_eq!(on_board(&mut client, MavMissionType::MAV_MISSION_TYPE_MISSION), []);
+
+    let clear = |mission_type| {
+        Message::MISSION_CLEAR_ALL(MISSION_CLEAR_ALL_DATA {
+            target_system: TARGET,
+            mission_type,
+            ..MISSION_CLEAR_ALL_DATA::DEFAULT
+        })
+    };
+    assert_eq!(result(&client.ask(&clear(RALLY))), Some((RALLY, MAV_MISSION_ACCEPTED)));
+    assert_eq!((on_board(&mut client, RALLY).len(), on_board(&mut client, FENCE).len()), (0, 4));
+    let all = MavMissionType::MAV_MISSION_TYPE_ALL;
+    assert_eq!(result(&client.ask(&clear(all))), Some((all, MAV_MISSION_ACCEPTED)));
+    assert_eq!(on_board(&mut client, FENCE), []);
+}
+
+#[test]
+fn a_fence_that_makes_no_sense_is_refused_in_the_end_and_the_old_one_stays() {
+    let mut client = Client::new(quiet());
+    let old = square(200.0);
+    assert_eq!(upload(&mut client, FENCE, &old), MAV_MISSION_ACCEPTED);
+    let two = [old[0], old[1]];
+    assert_eq!(upload(&mut client, FENCE, &two), MAV_MISSION_ERROR);
+    assert_eq!(
+        upload(&mut client, FENCE, &[item(MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, -5.0, 0.0, 0.0, 0.0)]),
+        MAV_MISSION_ERROR
+    );
+    let nan = item(MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, f32::NAN, 0.0, 0.0, 0.0);
+    assert_eq!(upload(&mut client, FENCE, &[nan]), MAV_MISSION_INVALID_PARAM1);
+    let waypoint = item(MAV_CMD_NAV_WAYPOINT, 0.0, 0.0, 0.0, 50.0);
+    assert_eq!(upload(&mut client, FENCE, &[waypoint]), MAV_MISSION_UNSUPPORTED);
+    assert_eq!(upload(&mut client, RALLY, &[waypoint]), MAV_MISSION_UNSUPPORTED);
+    let answer = client.ask(&count(FENCE, 256));
+    assert_eq!(result(&answer), Some((FENCE, MAV_MISSION_NO_SPACE)));
+    assert_eq!(texts(&answer), ["Only 255 items are supported"]);
+    assert_eq!(on_board(&mut client, FENCE).len(), 4);
+    // A part that breaks the whole.
+    let partial = MISSION_WRITE_PARTIAL_LIST_DATA {
+        start_index: 1,
+        end_index: 1,
+        target_system: TARGET,
+        mission_type: FENCE,
+        ..MISSION_WRITE_PARTIAL_LIST_DATA::DEFAULT
+    };
+    client.ask(&Message::MISSION_WRITE_PARTIAL_LIST(partial));
+    let answer =
+        send_item(&mut client, FENCE, 1, &item(MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, 5.0, 0.0, 0.0, 0.0));
+    assert_eq!(result(&answer), Some((FENCE, MAV_MISSION_ERROR)));
+    assert_eq!(texts(&answer), ["Unexpected vertex count want=4 got=5"]);
+    assert!(on_board(&mut client, FENCE).iter().all(|item| item.param1 == 4.0));
+}
+
+#[test]
+fn who_uploads_may_begin_anew_with_another_count_or_break_off() {
+    let mut client = Client::new(quiet());
+    client.ask(&count(FENCE, 9));
+    send_item(&mut client, FENCE, 0, &square(100.0)[0]);
+    assert_eq!(upload(&mut client, FENCE, &square(200.0)), MAV_MISSION_ACCEPTED);
+    client.ask(&count(FENCE, 9));
+    let ack = MISSION_ACK_DATA {
+        target_system: TARGET,
+        mavtype: MAV_MISSION_OPERATION_CANCELLED,
+        mission_type: FENCE,
+        ..MISSION_ACK_DATA::DEFAULT
+    };
+    assert_eq!(client.ask(&Message::MISSION_ACK(ack)), []);
+    assert_eq!(client.vehicle.poll_timeout(), None);
+    client.address = peer(50_000);
+    assert_eq!(upload(&mut client, FENCE, &[]), MAV_MISSION_ACCEPTED);
+    assert_eq!(on_board(&mut client, FENCE), []);
+}
+
+#[test]
+fn a_breach_is_told_acted_upon_and_cleared() {
+    let mut client = Client::new(quiet());
+    assert_eq!(upload(&mut client, FENCE, &square(100.0)), MAV_MISSION_ACCEPTED);
+    set(&mut client, "FENCE_ENABLE", 1.0);
+    client.fly(9.0);
+    assert_eq!((client.vehicle.mode(), texts(&client.collect())), (Mode::Guided, vec![]));
+    client.fly(1.1);
+    let received = client.collect();
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+    assert_eq!(texts(&received), ["Polygon fence breached", "Manual recovery started"]);
+    assert!(received.iter().any(|message| matches!(message, Message::FENCE_STATUS(status)
+        if (status.breach_status, status.breach_count) == (1, 1) && status.breach_time > 9_000
+            && status.breach_type == FenceBreach::FENCE_BREACH_BOUNDARY)));
+    assert_eq!(set_mode(&mut client, Mode::Guided), FAILED);
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+    client.fly(60.0);
+    assert_eq!(texts(&client.collect()), ["Fence breach cleared"]);
+    assert_eq!(set_mode(&mut client, Mode::Guided), ACCEPTED);
+    client.fly(5.0);
+    assert_eq!((client.vehicle.mode(), texts(&client.collect())), (Mode::Guided, vec![]));
+}
+
+/// A vehicle on its way out of a fence with a return point, in CRUISE.
+fn leaving(action: f32) -> Client {
+    let mut client = Client::new(quiet());
+    let mut items = square(100.0);
+    items.push(item(MAV_CMD_NAV_FENCE_RETURN_POINT, 0.0, -20.0, 30.0, 0.0));
+    assert_eq!(upload(&mut client, FENCE, &items), MAV_MISSION_ACCEPTED);
+    set(&mut client, "FENCE_ACTION", action);
+    set(&mut client, "FENCE_ENABLE", 1.0);
+    set_mode(&mut client, Mode::Cruise);
+    client
+}
+
+#[test]
+fn a_breach_may_only_be_told() {
+    let mut client = leaving(0.0);
+    client.fly(150.0);
+    assert_eq!(client.vehicle.mode(), Mode::Cruise);
+    assert_eq!(texts(&client.collect()), ["Polygon fence breached"]);
+}
+
+#[test]
+fn a_breach_may_lead_to_the_return_point_until_the_fence_is_off() {
+    let mut client = leaving(6.0);
+    let state = *client.fly(150.0).last().unwrap();
+    assert_eq!(client.vehicle.mode(), Mode::Guided);
+    let (north, east) = (state.x_m + 20.0, state.y_m - 30.0);
+    assert!(((north * north + east * east).sqrt() - 60.0).abs() < 0.5);
+    // Half way between FENCE_ALT_MIN and FENCE_ALT_MAX.
+    assert!((state.altitude_m - 45.0).abs() < 0.1);
+    assert_eq!(client.command_long(MAV_CMD_DO_FENCE_ENABLE, [0.0; 3]), ACCEPTED);
+    client.fly(0.1);
+    assert_eq!(client.vehicle.mode(), Mode::Cruise);
+}
+
+#[test]
+fn rtl_goes_to_the_nearest_rally_point() {
+    let mut client = Client::new(quiet());
+    let points =
+        [item(MAV_CMD_NAV_RALLY_POINT, 0.0, -900.0, 0.0, 70.0), item(MAV_CMD_NAV_RALLY_POINT, 0.0, 300.0, 400.0, 80.0)];
+    assert_eq!(upload(&mut client, RALLY, &points), MAV_MISSION_ACCEPTED);
+    assert_eq!(set_mode(&mut client, Mode::Rtl), ACCEPTED);
+    let state = *client.fly(200.0).last().unwrap();
+    let (north, east) = (state.x_m - 300.0, state.y_m - 400.0);
+    assert!(((north * north + east * east).sqrt() - 60.0).abs() < 0.5 && (state.altitude_m - 80.0).abs() < 0.1);
+}
+
+#[test]
+fn outside_its_fence_it_does_not_arm() {
+    let mut client = Client::new(VehicleSettings { armed: false, ..quiet() });
+    let far = item(MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, 50.0, 500.0, 0.0, 0.0);
+    assert_eq!(upload(&mut client, FENCE, &[far]), MAV_MISSION_ACCEPTED);
+    set(&mut client, "FENCE_ENABLE", 1.0);
+    client.fly(1.0);
+    let arm = common::long(TARGET, MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]);
+    let refused = client.ask(&arm);
+    assert_eq!(common::acknowledgement(&refused).unwrap().result, MavResult::MAV_RESULT_FAILED);
+    assert_eq!(texts(&refused), ["Arm: Vehicle breaching Polygon fence"]);
+    set(&mut client, "FENCE_ENABLE", 0.0);
+    assert_eq!(client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]), ACCEPTED);
+}
+
+#[test]
+fn the_fence_may_be_enabled_by_arming_and_by_a_command() {
+    let mut client = Client::new(VehicleSettings { armed: false, ..quiet() });
+    assert_eq!(client.command_long(MAV_CMD_DO_FENCE_ENABLE, [1.0, 0.0, 0.0]), FAILED, "there is none");
+    upload(&mut client, FENCE, &square(100.0));
+    assert_eq!(client.command_long(MAV_CMD_DO_FENCE_ENABLE, [1.0, 0.0, 0.0]), ACCEPTED);
+    assert_eq!(client.command_long(MAV_CMD_DO_FENCE_ENABLE, [0.0, 0.0, 0.0]), ACCEPTED);
+    assert_eq!(client.command_long(MAV_CMD_DO_FENCE_ENABLE, [3.0, 0.0, 0.0]), FAILED);
+    set(&mut client, "FENCE_AUTOENABLE", 3.0);
+    let answer = client.ask(&common::long(TARGET, MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]));
+    assert!(texts(&answer).contains(&"Polygon fence auto-enabled".to_owned()));
+    client.fly(12.0);
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+}
+
+#[test]
+fn plans_that_were_on_board_are_there_again_or_the_start_fails() {
+    let plans = Plans { fence: square(100.0), ..Plans::default() };
+    let mut client = Client::new(VehicleSettings { plans, ..quiet() });
+    assert_eq!(on_board(&mut client, FENCE).len(), 4);
+    let plans = Plans { fence: square(100.0)[..3].to_vec(), ..Plans::default() };
+    let error = Vehicle::new(VehicleSettings { plans, ..quiet() }).unwrap_err();
+    assert_eq!(error.to_string(), "Fence refused: Incorrect item count");
+}
