@@ -1,12 +1,12 @@
 //! The command line.
 
 use crate::compare::Seeds;
-use crate::config::{COUNT_MAX, DURATION_MAX_S, Layer, Overrides, Preset, SHARE_MAX};
+use crate::config::{COUNT_MAX, DURATION_MAX_S, Layer, Overrides, Pattern, Preset, SHARE_MAX};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use optimizer::Algorithm;
 use optimizer::suites::Suite;
-use sim_vehicle::Personality;
+use sim_vehicle::{NETWORK_VEHICLES_MAX, Personality};
 use std::path::PathBuf;
 
 /// Flies a flock of UAVs over MAVLink: simulated vehicles, a ground controller that runs MSLPIO, and reports.
@@ -43,6 +43,10 @@ Examples:
   columba vehicles                         the paper's five, from UDP 14600 up, telemetry to 14550
   columba vehicles --count 20              twenty in a grid
   columba vehicles --vehicle-port 0 --json any free ports, and the table of them for a script
+  columba vehicles --count 200 --per-port 200
+                                           two hundred behind one port, told apart by their system ids
+  columba vehicles --swarm swarminit.txt   starts as ArduPilot's sim_vehicle.py --swarm reads them
+  columba vehicles --param WP_LOITER_RAD=80 --param FS_GCS_ENABL=1
 
 A vehicle answers whoever speaks to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends it.";
 
@@ -152,10 +156,24 @@ pub struct VehiclesArgs {
     /// So many vehicles in a grid (or the file's own pattern), instead of the file's: 1 to 10000.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count)]
     pub count: Option<usize>,
+    /// How they are laid out.
+    #[arg(long, value_enum, requires = "count", conflicts_with = "swarm")]
+    pub pattern: Option<Pattern>,
+    /// Vehicles that start where a file says, a line instance=east,north,up,heading for each, as ArduPilot's swarminit.txt;
+    /// with --count only the first so many.
+    #[arg(long, value_name = "FILE")]
+    pub swarm: Option<PathBuf>,
+    /// Sets a parameter of every vehicle at the start, as WP_LOITER_RAD=80; may be given several times.
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = parameter)]
+    pub parameters: Vec<(String, f64)>,
     /// First UDP port; each further vehicle has the next. 0: any free ports. By default 14600.
     #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub vehicle_port: Option<u16>,
-    /// UDP port to which telemetry goes unasked; 0: nowhere, only to who speaks first. By default 14550.
+    /// So many vehicles on each port, 1 to 250, told apart by their system ids. By default 1.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = per_port)]
+    pub per_port: Option<usize>,
+    /// UDP port to which telemetry goes unasked, and for each further network of 250 vehicles the next; 0: nowhere, only to who
+    /// speaks first. By default 14550.
     #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub ground_port: Option<u16>,
     /// Vehicle seconds for each second of the wall clock, 0.01 to 100.
@@ -357,6 +375,17 @@ fn seed(text: &str) -> Result<u64, String> {
 fn count(text: &str) -> Result<usize, String> {
     let whole = text.parse().ok().filter(|count| (1..=COUNT_MAX).contains(count));
     whole.ok_or_else(|| format!("must be a whole number from 1 to {COUNT_MAX}"))
+}
+
+fn per_port(text: &str) -> Result<usize, String> {
+    let whole = text.parse().ok().filter(|count| (1..=NETWORK_VEHICLES_MAX).contains(count));
+    whole.ok_or_else(|| format!("must be a whole number from 1 to {NETWORK_VEHICLES_MAX}"))
+}
+
+fn parameter(text: &str) -> Result<(String, f64), String> {
+    let parts =
+        text.split_once('=').and_then(|(name, value)| Some((name.trim().to_owned(), value.trim().parse().ok()?)));
+    parts.filter(|(name, _)| !name.is_empty()).ok_or_else(|| "must be NAME=VALUE, the value a number".to_owned())
 }
 
 fn problem(text: &str) -> Result<Suite, String> {

@@ -64,11 +64,19 @@ impl Autopilot {
         }
     }
 
-    /// Speed at mid-step and at its end: first order towards the setpoint, clamped to [V_min, V_max].
+    /// Speed at mid-step and at its end: first order towards the setpoint, clamped to [V_min, V_max]. Only a gust carries it
+    /// out of these limits, and then no step makes up for it at once.
     fn speeds(&self, state: &State, setpoint: &Setpoint) -> [f64; 2] {
+        let least_mps = self.limits.speed_min_mps.min(state.speed_mps);
+        let most_mps = self.limits.speed_max_mps.max(state.speed_mps);
+        let wanted_mps = if state.speed_mps < self.limits.speed_min_mps || state.speed_mps > self.limits.speed_max_mps {
+            setpoint.speed_mps.clamp(self.limits.speed_min_mps, self.limits.speed_max_mps)
+        } else {
+            setpoint.speed_mps
+        };
         self.speed_decay.map(|decay| {
-            let free = setpoint.speed_mps + (state.speed_mps - setpoint.speed_mps) * decay;
-            free.clamp(self.limits.speed_min_mps, self.limits.speed_max_mps)
+            let free = wanted_mps + (state.speed_mps - wanted_mps) * decay;
+            free.clamp(least_mps, most_mps)
         })
     }
 

@@ -21,11 +21,15 @@ mod atmosphere;
 mod autopilot;
 mod dynamics;
 mod frame;
+mod gusts;
 mod state;
+mod wind;
 
 pub use angle::wrap_pi;
-pub use atmosphere::{mach, speed_of_sound_mps};
+pub use atmosphere::{air_density_kgpm3, air_pressure_pa, air_temperature_k, mach, speed_of_sound_mps};
 pub use autopilot::Autopilot;
 pub use dynamics::{Dynamics, Limits, TimeConstants};
 pub use frame::{Geodetic, LocalFrame};
+pub use gusts::Gusts;
 pub use state::{Setpoint, State};
+pub use wind::Wind;

@@ -19,7 +19,7 @@ pub fn frames<'a, 'c>(datagram: &'a [u8], counters: &'c mut Counters) -> Frames<
 }
 
 /// The frames of a datagram with their messages. Frames whose message cannot be read are yielded with the reason, and
-/// counted as `invalid_value`.
+/// counted as `invalid_value`, but for those of ArduPilot's own dialect, which are right and not for us.
 pub fn messages<'a>(
     datagram: &'a [u8],
     counters: &mut Counters,
@@ -28,7 +28,7 @@ pub fn messages<'a>(
     std::iter::from_fn(move || {
         let frame = frames.next()?;
         let message = frame.message();
-        if message.is_err() {
+        if message.as_ref().is_err_and(|error| !matches!(error, FrameError::UnknownMessage(_))) {
             frames.counters.invalid_value = frames.counters.invalid_value.saturating_add(1);
         }
         Some((frame, message))

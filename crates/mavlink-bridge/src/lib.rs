@@ -25,6 +25,7 @@
 //! assert_eq!(counters.frames, 1);
 //! ```
 
+pub mod ardupilot;
 pub mod command;
 pub mod counters;
 pub mod datagram;
@@ -40,6 +41,7 @@ pub mod telemetry;
 pub mod tlog;
 pub mod udp;
 
+pub use ardupilot::{ArduPilotMessage, ekf_status_report, wind};
 pub use command::{CommandKind, RawCommand, raw_command};
 pub use counters::{Counters, SequenceTracker};
 pub use datagram::{Frames, frames, messages};

@@ -10,9 +10,9 @@ use crate::dialect::{
     ATTITUDE_DATA, AUTOPILOT_VERSION_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA, GPS_GLOBAL_ORIGIN_DATA,
     GPS_RAW_INT_DATA, GpsFixType, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavAutopilot, MavLandedState, MavModeFlag,
     MavProtocolCapability, MavState, MavType, MavVtolState, Message, PROTOCOL_VERSION_DATA, SYSTEM_TIME_DATA,
-    VFR_HUD_DATA,
+    VFR_HUD_DATA, WIND_COV_DATA,
 };
-use flight_model::{Geodetic, LocalFrame, State, wrap_pi};
+use flight_model::{Geodetic, LocalFrame, State, Wind, wrap_pi};
 use std::f64::consts::TAU;
 use std::time::Duration;
 
@@ -48,9 +48,15 @@ pub fn wire_round(state: &State) -> State {
     state_from_local_position(&local_position_data(0, state))
 }
 
-/// GLOBAL_POSITION_INT: the state in WGS-84, heading along the course, and the height above a home at an altitude
+/// GLOBAL_POSITION_INT: the state in WGS-84, where the nose points, and the height above a home at an altitude
 /// (<https://mavlink.io/en/messages/common.html#GLOBAL_POSITION_INT>). Values beyond a field's range take its bound.
-pub fn global_position_int(time_boot: Duration, state: &State, frame: &LocalFrame, home_altitude_m: f64) -> Message {
+pub fn global_position_int(
+    time_boot: Duration,
+    state: &State,
+    heading_rad: f64,
+    frame: &LocalFrame,
+    home_altitude_m: f64,
+) -> Message {
     let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
     let (north_mps, east_mps) = state.velocity_mps();
     // A float to integer cast takes the bound when it overflows and zero for NaN.
@@ -63,32 +69,39 @@ pub fn global_position_int(time_boot: Duration, state: &State, frame: &LocalFram
         vx: (north_mps * 1e2).round() as i16,
         vy: (east_mps * 1e2).round() as i16,
         vz: (-state.climb_mps * 1e2).round() as i16,
-        hdg: heading_cdeg(state.course_rad),
+        hdg: heading_cdeg(heading_rad),
     })
 }
 
-/// ATTITUDE with the yaw along the course and the pitch along the flight path
+/// ATTITUDE with the nose along the way through the air, of which `air` is the state: airspeed and heading
 /// (<https://mavlink.io/en/messages/common.html#ATTITUDE>).
-pub fn attitude(time_boot: Duration, state: &State, roll_rad: f64, yaw_rate_radps: f64) -> Message {
+pub fn attitude(time_boot: Duration, air: &State, roll_rad: f64, yaw_rate_radps: f64) -> Message {
     Message::ATTITUDE(ATTITUDE_DATA {
         time_boot_ms: boot_ms(time_boot),
         roll: roll_rad as f32,
-        pitch: libm::atan2(state.climb_mps, state.speed_mps) as f32,
-        yaw: wrap_pi(state.course_rad) as f32,
+        pitch: libm::atan2(air.climb_mps, air.speed_mps) as f32,
+        yaw: wrap_pi(air.course_rad) as f32,
         rollspeed: 0.0,
         pitchspeed: 0.0,
         yawspeed: yaw_rate_radps as f32,
     })
 }
 
-/// VFR_HUD, in still air (<https://mavlink.io/en/messages/common.html#VFR_HUD>).
-pub fn vfr_hud(state: &State, altitude_amsl_m: f64, throttle_percent: u16) -> Message {
+/// VFR_HUD (<https://mavlink.io/en/messages/common.html#VFR_HUD>): speed over ground, airspeed as it is measured, where
+/// the nose points.
+pub fn vfr_hud(
+    state: &State,
+    airspeed_mps: f64,
+    heading_rad: f64,
+    altitude_amsl_m: f64,
+    throttle_percent: u16,
+) -> Message {
     Message::VFR_HUD(VFR_HUD_DATA {
-        airspeed: state.speed_mps as f32,
+        airspeed: airspeed_mps as f32,
         groundspeed: state.speed_mps as f32,
         alt: altitude_amsl_m as f32,
         climb: state.climb_mps as f32,
-        heading: (heading_cdeg(state.course_rad) / 100) as i16,
+        heading: (heading_cdeg(heading_rad) / 100) as i16,
         throttle: throttle_percent,
     })
 }
@@ -140,24 +153,42 @@ pub fn gps_global_origin(time_boot: Duration, origin: &Geodetic) -> Message {
     })
 }
 
-/// GPS_RAW_INT of a receiver with a fix and no error, heights above the ellipsoid as above the sea
-/// (<https://mavlink.io/en/messages/common.html#GPS_RAW_INT>).
-pub fn gps_raw_int(time_boot: Duration, state: &State, frame: &LocalFrame) -> Message {
+/// GPS_RAW_INT of a receiver that measures `state`, heights above the ellipsoid as above the sea
+/// (<https://mavlink.io/en/messages/common.html#GPS_RAW_INT>). Without a fix the place is the last one, and what cannot be
+/// known says so.
+pub fn gps_raw_int(time_boot: Duration, state: &State, frame: &LocalFrame, has_fix: bool, satellites: u8) -> Message {
     let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
     let altitude_mm = (place.altitude_amsl_m * 1e3).round() as i32;
+    let known = |value: u16| if has_fix { value } else { u16::MAX };
     Message::GPS_RAW_INT(GPS_RAW_INT_DATA {
         time_usec: u64::try_from(time_boot.as_micros()).unwrap_or(u64::MAX),
         lat: (place.latitude_deg * 1e7).round() as i32,
         lon: (place.longitude_deg * 1e7).round() as i32,
         alt: altitude_mm,
-        eph: 100,
-        epv: 100,
-        vel: (state.speed_mps * 1e2).round() as u16,
-        cog: heading_cdeg(state.course_rad),
-        fix_type: GpsFixType::GPS_FIX_TYPE_3D_FIX,
-        satellites_visible: 10,
+        eph: known(100),
+        epv: known(100),
+        vel: known((state.speed_mps * 1e2).round() as u16),
+        cog: known(heading_cdeg(state.course_rad)),
+        fix_type: if has_fix { GpsFixType::GPS_FIX_TYPE_3D_FIX } else { GpsFixType::GPS_FIX_TYPE_NO_FIX },
+        satellites_visible: satellites,
         alt_ellipsoid: altitude_mm,
         ..GPS_RAW_INT_DATA::DEFAULT
+    })
+}
+
+/// WIND_COV (<https://mavlink.io/en/messages/common.html#WIND_COV>): the velocity of the air, north-east-down, its spread in
+/// m/s, and the altitude in m at which it was measured.
+pub fn wind_cov(time_boot: Duration, wind: &Wind, deviation_mps: f64, altitude_amsl_m: f64) -> Message {
+    Message::WIND_COV(WIND_COV_DATA {
+        time_usec: u64::try_from(time_boot.as_micros()).unwrap_or(u64::MAX),
+        wind_x: wind.north_mps as f32,
+        wind_y: wind.east_mps as f32,
+        wind_z: down(wind.up_mps),
+        var_horiz: deviation_mps as f32,
+        var_vert: deviation_mps as f32,
+        wind_alt: altitude_amsl_m as f32,
+        horiz_accuracy: deviation_mps as f32,
+        vert_accuracy: deviation_mps as f32,
     })
 }
 
@@ -296,7 +327,8 @@ mod tests {
     fn a_known_place_in_wgs_84() {
         let origin = Geodetic { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 };
         let state = State { altitude_m: 20.5, speed_mps: 10.0, course_rad: -0.1, climb_mps: 1.5, ..State::default() };
-        let message = global_position_int(Duration::from_secs(3), &state, &LocalFrame::new(origin), 0.0);
+        let message =
+            global_position_int(Duration::from_secs(3), &state, state.course_rad, &LocalFrame::new(origin), 0.0);
         let expected = GLOBAL_POSITION_INT_DATA {
             time_boot_ms: 3000,
             lat: 399_800_000,

@@ -56,7 +56,7 @@ impl Vehicle {
     /// Why the vehicle would not arm now, if so.
     pub(crate) fn against_arming(&self) -> Option<String> {
         let lands_by_rtl = self.parameters.get(Parameter::RtlAutoland) != 0.0;
-        let contains = |command: u16| self.mission.items.iter().skip(1).any(|item| item.command == command);
+        let contains = |command: u16| self.mission.numbered().any(|(_, item)| item.command == command);
         if self.flight.is_armed() {
             None
         } else if self.mode() == Mode::Rtl {

@@ -1,9 +1,8 @@
 //! What COMMAND_LONG and COMMAND_INT make the vehicle do, accepted and refused as ArduPlane does.
 //!
 //! Where it differs: param 3 of GUIDED_CHANGE_ALTITUDE is the rate of climb that it is documented to be (broken in
-//! ArduPlane since 4.6); terrain is as high as home; the air is still, so that a heading is a course and an airspeed a
-//! ground speed; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; and of the params that a command reads, one that
-//! is not a finite number is DENIED.
+//! ArduPlane since 4.6); terrain is as high as home; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; and of the params
+//! that a command reads, one that is not a finite number is DENIED.
 
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
@@ -128,6 +127,11 @@ pub(crate) fn integer(param: f32) -> i64 {
 /// A limit of zero means none.
 fn limit_or_none(limit: f32) -> f64 {
     if limit == 0.0 { f64::INFINITY } else { f64::from(limit.abs()) }
+}
+
+/// A direction in degrees, in rad.
+pub(crate) fn angle_rad(degrees: f32) -> f64 {
+    flight_model::wrap_pi(f64::from(degrees).to_radians())
 }
 
 pub(crate) fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
@@ -292,10 +296,8 @@ impl Vehicle {
             return Err(Refusal::denied(format!("Heading {course_deg} is outside [0, 360)")));
         }
         match integer(kind) {
-            0 | 1 => {
-                let course_rad = flight_model::wrap_pi(f64::from(course_deg).to_radians());
-                self.flight.set_course(course_rad, f64::from(lateral_mps2).max(0.05));
-            }
+            0 => self.flight.set_course(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
+            1 => self.flight.set_heading(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
             2 => self.flight.release_course(),
             other => return Err(Refusal::denied(format!("Heading: type {other} is not accepted"))),
         }

@@ -64,14 +64,21 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
             Stream::VfrHud,
             Stream::SystemTime,
             Stream::BatteryStatus,
+            Stream::Wind,
+            Stream::EkfStatusReport,
+            Stream::RawImu,
+            Stream::ScaledPressure,
         ],
+        MavDataStream::MAV_DATA_STREAM_RAW_SENSORS => &[Stream::RawImu, Stream::ScaledPressure],
         MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => {
             &[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent, Stream::FenceStatus]
         }
         MavDataStream::MAV_DATA_STREAM_POSITION => &[Stream::GlobalPositionInt, Stream::LocalPositionNed],
         MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[Stream::Attitude],
         MavDataStream::MAV_DATA_STREAM_EXTRA2 => &[Stream::VfrHud],
-        MavDataStream::MAV_DATA_STREAM_EXTRA3 => &[Stream::SystemTime, Stream::BatteryStatus],
+        MavDataStream::MAV_DATA_STREAM_EXTRA3 => {
+            &[Stream::SystemTime, Stream::BatteryStatus, Stream::Wind, Stream::EkfStatusReport]
+        }
         _ => &[],
     }
 }

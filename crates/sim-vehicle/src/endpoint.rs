@@ -1,6 +1,6 @@
 //! One port and the vehicles behind it.
 
-use crate::hosting::{Advance, Clock, HostError, Observer};
+use crate::hosting::{Advance, Clock, HostError, Observer, RealTime};
 use crate::parameters::file;
 use crate::services::target_system;
 use crate::{Vehicle, VehicleCounters, plans};
@@ -9,6 +9,7 @@ use mavlink_bridge::{Counters, LinkError, UdpLink, messages};
 use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::Instant;
@@ -30,10 +31,11 @@ pub(crate) struct EndpointReport {
 }
 
 /// What the vehicles do not have: a clock, and somebody who looks on.
-struct Shell {
-    started: Instant,
-    clock: Clock,
-    observer: Observer,
+pub(crate) struct Shell {
+    pub started: Instant,
+    pub clock: Clock,
+    pub time: RealTime,
+    pub observer: Observer,
 }
 
 /// Waits until `stop` holds true or its sender is gone.
@@ -57,13 +59,16 @@ impl Endpoint {
         Ok(Self { link, vehicles, first, parameters_folder: None, frames: Counters::default(), track: Vec::new() })
     }
 
+    /// The vehicles behind this port.
+    pub fn vehicles(&self) -> impl Iterator<Item = &Vehicle> {
+        self.vehicles.iter()
+    }
+
     pub async fn run(
         mut self,
-        clock: Clock,
-        observer: Observer,
+        shell: Arc<Shell>,
         mut stop: watch::Receiver<bool>,
     ) -> Result<EndpointReport, LinkError> {
-        let shell = Shell { started: Instant::now(), clock, observer };
         let mut datagram = Vec::new();
         loop {
             self.transmit().await;
@@ -153,7 +158,7 @@ impl Endpoint {
         let now = shell.started.elapsed();
         vehicle.handle_timeout(now);
         let until = match shell.clock {
-            Clock::RealTime { speed, .. } => now.mul_f64(speed),
+            Clock::RealTime { .. } => shell.time.until(now, vehicle.time()),
             Clock::Lockstep(_) => match vehicle.released_until() {
                 Some(until) => until,
                 None => return,

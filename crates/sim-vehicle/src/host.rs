@@ -1,7 +1,7 @@
 //! The host: sockets and a clock for any number of vehicles. All that they do is in [`crate::Vehicle`].
 
-use crate::endpoint::{Endpoint, EndpointReport, stopped};
-use crate::hosting::{Clock, HostError, Observer};
+use crate::endpoint::{Endpoint, EndpointReport, Shell, stopped};
+use crate::hosting::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
 use crate::parameters::{Pace, file};
 use crate::{Vehicle, VehicleCounters, VehicleSettings, plans};
 use mavlink_bridge::{Counters, LinkError, LinkSettings, UdpLink};
@@ -12,6 +12,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
+use tokio::time::Instant;
 
 /// Where the vehicles listen and what time they keep.
 #[derive(Clone, Debug)]
@@ -20,7 +21,8 @@ pub struct HostSettings {
     pub bind: IpAddr,
     /// Port of the first vehicle or group; each further one has the next port. 0: any free ports.
     pub base_port: u16,
-    /// Vehicles on one port, 1 to 250: the rest go to the next. Frames find theirs by the target system.
+    /// Vehicles on one port, 1 to 250: the rest go to the next, as each further network of 250 does. Frames find theirs by
+    /// the target system.
     pub vehicles_per_port: usize,
     /// The clock.
     pub clock: Clock,
@@ -45,12 +47,15 @@ impl Default for HostSettings {
 }
 
 /// What became of a host's vehicles.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct HostReport {
     /// Each vehicle's counters, in the order in which the host was given them.
     pub vehicles: Vec<VehicleCounters>,
     /// What all ports together have seen.
     pub wire: Counters,
+    /// In real time, vehicle seconds for each second of the wall clock: less than was asked for where the machine did not
+    /// keep up.
+    pub speed_reached: Option<f64>,
 }
 
 /// Vehicles with their ports bound, ready to run.
@@ -90,16 +95,15 @@ impl Host {
             .collect::<Result<_, HostError>>()?;
 
         let mut host = Self { endpoints: Vec::new(), addresses: Vec::new(), clock: settings.clock };
-        let mut vehicles = vehicles.into_iter();
+        let mut vehicles = vehicles.into_iter().enumerate().peekable();
         // An early return drops the endpoints bound so far, and so frees their ports.
-        for port_index in 0.. {
-            let group: Vec<Vehicle> = vehicles.by_ref().take(settings.vehicles_per_port).collect();
-            if group.is_empty() {
-                break;
-            }
-            let link = UdpLink::bind(settings.address(port_index)?, settings.link_settings(port_index))?;
+        while let Some(&(first, _)) = vehicles.peek() {
+            let port = port_index(first, settings.vehicles_per_port);
+            let is_of_port = |(vehicle, _): &(usize, Vehicle)| port_index(*vehicle, settings.vehicles_per_port) == port;
+            let group: Vec<Vehicle> =
+                std::iter::from_fn(|| vehicles.next_if(is_of_port)).map(|(_, vehicle)| vehicle).collect();
+            let link = UdpLink::bind(settings.address(port)?, settings.link_settings(port))?;
             let address = link.local_addr()?;
-            let first = host.addresses.len();
             host.addresses.resize(first + group.len(), address);
             let mut endpoint = Endpoint::new(link, group, first)?;
             endpoint.parameters_folder.clone_from(&settings.parameters_folder);
@@ -113,22 +117,31 @@ impl Host {
         &self.addresses
     }
 
+    /// The vehicles, in the order in which the host was given them.
+    pub fn vehicles(&self) -> impl Iterator<Item = &Vehicle> {
+        self.endpoints.iter().flat_map(Endpoint::vehicles)
+    }
+
     /// Runs the vehicles until `stop` holds true or its sender is gone; without vehicles, returns at once. The ports are
     /// free when this returns.
     pub async fn run(self, observer: Observer, mut stop: watch::Receiver<bool>) -> Result<HostReport, HostError> {
         let (stop_all, stop_endpoints) = watch::channel(false);
         let mut tasks: JoinSet<Result<EndpointReport, LinkError>> = JoinSet::new();
+        let time = RealTime::new(self.clock.speed());
+        let shell = Arc::new(Shell { started: Instant::now(), clock: self.clock, time, observer });
         for endpoint in self.endpoints {
-            tasks.spawn(endpoint.run(self.clock, observer.clone(), stop_endpoints.clone()));
+            tasks.spawn(endpoint.run(Arc::clone(&shell), stop_endpoints.clone()));
         }
         let mut report =
-            HostReport { vehicles: vec![VehicleCounters::default(); self.addresses.len()], wire: Counters::default() };
+            HostReport { vehicles: vec![VehicleCounters::default(); self.addresses.len()], ..HostReport::default() };
         let mut failure = None;
         let mut running = true;
         loop {
             tokio::select! {
                 () = stopped(&mut stop), if running => {
                     running = false;
+                    let is_real_time = matches!(self.clock, Clock::RealTime { .. });
+                    report.speed_reached = is_real_time.then(|| shell.time.reached(shell.started.elapsed()));
                     stop_all.send_replace(true);
                 }
                 joined = tasks.join_next() => match joined {
@@ -164,7 +177,7 @@ impl Host {
 
 impl HostSettings {
     fn validate(&self, vehicles: usize) -> Result<(), HostError> {
-        if !(1..=250).contains(&self.vehicles_per_port) {
+        if !(1..=NETWORK_VEHICLES_MAX).contains(&self.vehicles_per_port) {
             let value = self.vehicles_per_port as f64;
             return Err(HostError::Setting { name: "vehicles_per_port", value, range: "[1, 250]" });
         }
@@ -176,7 +189,7 @@ impl HostSettings {
                 return Err(HostError::Setting { name: "tick_s", value: tick.as_secs_f64(), range: "[0.001, 1]" });
             }
         }
-        let count = vehicles.div_ceil(self.vehicles_per_port);
+        let count = vehicles.checked_sub(1).map_or(0, |last| port_index(last, self.vehicles_per_port) + 1);
         let beyond = self.base_port != 0 && usize::from(self.base_port) + count > 65_536;
         if beyond { Err(HostError::TooManyPorts { base_port: self.base_port, count }) } else { Ok(()) }
     }

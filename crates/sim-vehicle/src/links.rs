@@ -1,11 +1,12 @@
 //! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an autopilot
 //! has them for each of its ports.
 
+use crate::life::{Noise, Source};
 use crate::streams::{Schedule, Stream};
 use crate::telemetry::Instruments;
 use crate::{PeerId, TelemetryRates, Transmit, VehicleSettings};
 use mavlink_bridge::dialect::{MavResult, Message};
-use mavlink_bridge::{Encoder, PlanItemMessage, Target, Version};
+use mavlink_bridge::{Counters, Encoder, PlanItemMessage, Target, Version, frames};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -24,6 +25,11 @@ pub(crate) struct Links {
     frame: Vec<u8>,
     next_due: Duration,
     recording: bool,
+    noise: Noise,
+    /// Share of the frames that get lost.
+    loss: f64,
+    /// Frames that might have been lost so far.
+    risked: u64,
 }
 
 #[derive(Debug)]
@@ -48,6 +54,9 @@ impl Links {
             frame: Vec::new(),
             next_due: Duration::MAX,
             recording: false,
+            noise: Noise::new(settings.seed, settings.number),
+            loss: 0.0,
+            risked: 0,
         };
         if let Some(ground) = settings.ground {
             links.add(ground, true, Duration::ZERO, Duration::ZERO);
@@ -86,6 +95,11 @@ impl Links {
     /// The link of a peer.
     pub fn of_peer(&self, peer: PeerId) -> Option<usize> {
         self.links.iter().position(|link| link.peer == peer)
+    }
+
+    /// From now on such a share of what is sent gets lost, 0 to 1.
+    pub fn set_loss(&mut self, loss: f64) {
+        self.loss = loss;
     }
 
     /// From now on the vehicle is this system.
@@ -161,6 +175,14 @@ impl Links {
         self.write(index, |encoder, frame| encoder.encode(message, frame));
     }
 
+    /// Sends what a stream has to say.
+    pub fn send_stream(&mut self, index: usize, stream: Stream, instruments: &Instruments<'_>) {
+        match instruments.ardupilot_message(stream) {
+            Some(message) => self.write(index, |encoder, frame| encoder.encode_ardupilot(&message, frame)),
+            None => self.send(index, &instruments.message(stream)),
+        }
+    }
+
     pub fn send_all(&mut self, message: &Message) {
         (0..self.links.len()).for_each(|index| self.send(index, message));
     }
@@ -175,7 +197,7 @@ impl Links {
             for stream in
                 self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
             {
-                self.send(index, &instruments.message(stream));
+                self.send_stream(index, stream, instruments);
             }
         }
         self.find_next_due();
@@ -188,10 +210,10 @@ impl Links {
                 self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
             {
                 if stream != Stream::LocalPositionNed {
-                    self.send(index, &instruments.message(stream));
+                    self.send_stream(index, stream, instruments);
                 }
             }
-            self.send(index, &instruments.message(Stream::LocalPositionNed));
+            self.send_stream(index, Stream::LocalPositionNed, instruments);
         }
         self.find_next_due();
     }
@@ -232,7 +254,28 @@ impl Links {
         if self.queue.is_empty() {
             self.close_all();
         }
-        self.queue.pop_front()
+        while let Some(transmit) = self.queue.pop_front() {
+            if self.loss == 0.0 {
+                return Some(transmit);
+            }
+            let datagram = self.through_the_radio(&transmit.datagram);
+            if !datagram.is_empty() {
+                return Some(Transmit { datagram, ..transmit });
+            }
+        }
+        None
+    }
+
+    /// What is left of a datagram: each frame for itself may be lost, and what is sent again has a new chance.
+    fn through_the_radio(&mut self, datagram: &[u8]) -> Vec<u8> {
+        let mut left = Vec::with_capacity(datagram.len());
+        for frame in frames(datagram, &mut Counters::default()) {
+            self.risked += 1;
+            if !self.noise.happens(Source::Radio, self.risked, self.loss) {
+                left.extend_from_slice(frame.bytes);
+            }
+        }
+        left
     }
 
     fn write(&mut self, index: usize, encode: impl FnOnce(&mut Encoder, &mut Vec<u8>)) {
@@ -270,7 +313,6 @@ mod tests {
     use super::*;
     use crate::TelemetryRates;
     use mavlink_bridge::telemetry::ground_heartbeat;
-    use mavlink_bridge::{Counters, frames};
 
     const NOW: Duration = Duration::ZERO;
 
@@ -285,6 +327,18 @@ mod tests {
 
     fn drain(links: &mut Links) -> Vec<Transmit> {
         std::iter::from_fn(|| links.poll()).collect()
+    }
+
+    #[test]
+    fn a_bad_radio_loses_its_share_of_the_frames() {
+        let mut links = links();
+        let mut heard = |loss| {
+            links.set_loss(loss);
+            (0..1_000).for_each(|_| links.send_all(&ground_heartbeat()));
+            drain(&mut links).iter().map(|sent| frames(&sent.datagram, &mut Counters::default()).count()).sum::<usize>()
+        };
+        assert_eq!((heard(0.0), heard(1.0)), (1_000, 0));
+        assert!((650..750).contains(&heard(0.3)));
     }
 
     #[test]

@@ -77,7 +77,7 @@ impl Vehicle {
                 self.counters.setpoints_accepted += 1;
                 let full = setpoint.over(&self.flight.state().hold());
                 if let Some(velocity) = setpoint.velocity {
-                    self.flight.set_speed(full.speed_mps, f64::INFINITY);
+                    self.flight.set_ground_speed(full.speed_mps);
                     // A velocity of zero has no direction: the course stays.
                     if velocity != (0.0, 0.0) {
                         self.flight.set_course(full.course_rad, f64::INFINITY);

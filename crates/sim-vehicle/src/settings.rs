@@ -39,8 +39,14 @@ pub struct VehicleSettings {
     pub clock_epoch_us: u64,
     /// Where telemetry goes unasked.
     pub ground: Option<SocketAddr>,
-    /// Parameters that were set before, by name, in order.
+    /// Parameters in place of the vehicle's own defaults, by name, in order.
+    pub default_parameters: Vec<(String, f32)>,
+    /// Parameters that were set before, by name, in order; they go before those above.
     pub parameters: Vec<(String, f32)>,
+    /// Seed of all noise, as the scenario has it.
+    pub seed: u64,
+    /// The vehicle's number among those of one seed: each has its own noise.
+    pub number: u64,
     /// The plans that were on board before.
     pub plans: Plans,
 }
@@ -50,9 +56,11 @@ pub struct VehicleSettings {
 pub struct TelemetryRates {
     /// HEARTBEAT.
     pub heartbeat_hz: f64,
-    /// SYS_STATUS.
+    /// RAW_IMU and SCALED_PRESSURE.
+    pub raw_sensors_hz: f64,
+    /// SYS_STATUS, GPS_RAW_INT and MISSION_CURRENT.
     pub sys_status_hz: f64,
-    /// SYSTEM_TIME.
+    /// SYSTEM_TIME, WIND, BATTERY_STATUS and EKF_STATUS_REPORT.
     pub system_time_hz: f64,
     /// ATTITUDE.
     pub attitude_hz: f64,
@@ -131,7 +139,10 @@ impl Default for VehicleSettings {
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+            default_parameters: Vec::new(),
             parameters: Vec::new(),
+            seed: 0,
+            number: 0,
             plans: Plans::default(),
         }
     }
@@ -141,6 +152,7 @@ impl Default for TelemetryRates {
     fn default() -> Self {
         Self {
             heartbeat_hz: 1.0,
+            raw_sensors_hz: 1.0,
             sys_status_hz: 1.0,
             system_time_hz: 1.0,
             attitude_hz: 10.0,
@@ -155,6 +167,7 @@ impl TelemetryRates {
     /// Nothing unasked.
     pub const OFF: Self = Self {
         heartbeat_hz: 0.0,
+        raw_sensors_hz: 0.0,
         sys_status_hz: 0.0,
         system_time_hz: 0.0,
         attitude_hz: 0.0,
@@ -193,6 +206,7 @@ impl VehicleSettings {
         let fastest_hz = self.fastest_hz();
         for (name, rate_hz) in [
             ("heartbeat_hz", rates.heartbeat_hz),
+            ("raw_sensors_hz", rates.raw_sensors_hz),
             ("sys_status_hz", rates.sys_status_hz),
             ("system_time_hz", rates.system_time_hz),
             ("attitude_hz", rates.attitude_hz),

@@ -14,6 +14,13 @@ pub(crate) enum Stream {
     VfrHud,
     GpsRawInt,
     MissionCurrent,
+    RawImu,
+    ScaledImu,
+    ScaledPressure,
+    HighresImu,
+    Wind,
+    WindCov,
+    EkfStatusReport,
     FenceStatus,
     GpsGlobalOrigin,
     HomePosition,
@@ -25,7 +32,7 @@ pub(crate) enum Stream {
 }
 
 impl Stream {
-    pub const COUNT: usize = 16;
+    pub const COUNT: usize = 23;
     pub const ALL: [Stream; Self::COUNT] = [
         Stream::Heartbeat,
         Stream::SysStatus,
@@ -35,6 +42,13 @@ impl Stream {
         Stream::VfrHud,
         Stream::GpsRawInt,
         Stream::MissionCurrent,
+        Stream::RawImu,
+        Stream::ScaledImu,
+        Stream::ScaledPressure,
+        Stream::HighresImu,
+        Stream::Wind,
+        Stream::WindCov,
+        Stream::EkfStatusReport,
         Stream::FenceStatus,
         Stream::GpsGlobalOrigin,
         Stream::HomePosition,
@@ -45,21 +59,28 @@ impl Stream {
         Stream::LocalPositionNed,
     ];
 
-    /// The message id of <https://mavlink.io/en/messages/common.html>.
+    /// The message id of <https://mavlink.io/en/messages/ardupilotmega.html>, and of the common dialect within.
     pub fn message_id(self) -> u32 {
         match self {
             Stream::Heartbeat => 0,
             Stream::SysStatus => 1,
             Stream::SystemTime => 2,
             Stream::GpsRawInt => 24,
+            Stream::ScaledImu => 26,
+            Stream::RawImu => 27,
+            Stream::ScaledPressure => 29,
             Stream::Attitude => 30,
             Stream::LocalPositionNed => 32,
             Stream::GlobalPositionInt => 33,
             Stream::MissionCurrent => 42,
             Stream::GpsGlobalOrigin => 49,
             Stream::VfrHud => 74,
+            Stream::HighresImu => 105,
             Stream::BatteryStatus => 147,
             Stream::AutopilotVersion => 148,
+            Stream::Wind => 168,
+            Stream::EkfStatusReport => 193,
+            Stream::WindCov => 231,
             Stream::FenceStatus => 162,
             Stream::HomePosition => 242,
             Stream::ExtendedSysState => 245,
@@ -71,50 +92,43 @@ impl Stream {
         Self::ALL.into_iter().find(|stream| stream.message_id() == id)
     }
 
-    fn default_rate_hz(self, rates: &TelemetryRates) -> f64 {
+    /// The rate at which this stream comes by default, Hz; none if it comes only when it is asked for. Streams that share
+    /// one are a group of ArduPlane's.
+    fn default_rate_hz(self, rates: &mut TelemetryRates) -> Option<&mut f64> {
         match self {
-            Stream::Heartbeat => rates.heartbeat_hz,
-            // One group, as in ArduPlane.
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent | Stream::FenceStatus => rates.sys_status_hz,
-            Stream::SystemTime => rates.system_time_hz,
-            Stream::Attitude => rates.attitude_hz,
-            Stream::GlobalPositionInt => rates.global_position_int_hz,
-            Stream::VfrHud => rates.vfr_hud_hz,
-            Stream::LocalPositionNed => rates.local_position_ned_hz,
-            Stream::GpsGlobalOrigin
+            Stream::Heartbeat => Some(&mut rates.heartbeat_hz),
+            Stream::RawImu | Stream::ScaledPressure => Some(&mut rates.raw_sensors_hz),
+            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent | Stream::FenceStatus => {
+                Some(&mut rates.sys_status_hz)
+            }
+            Stream::SystemTime | Stream::Wind | Stream::BatteryStatus | Stream::EkfStatusReport => {
+                Some(&mut rates.system_time_hz)
+            }
+            Stream::Attitude => Some(&mut rates.attitude_hz),
+            Stream::GlobalPositionInt => Some(&mut rates.global_position_int_hz),
+            Stream::VfrHud => Some(&mut rates.vfr_hud_hz),
+            Stream::LocalPositionNed => Some(&mut rates.local_position_ned_hz),
+            Stream::ScaledImu
+            | Stream::HighresImu
+            | Stream::WindCov
+            | Stream::GpsGlobalOrigin
             | Stream::HomePosition
-            | Stream::BatteryStatus
             | Stream::ExtendedSysState
             | Stream::AutopilotVersion
-            | Stream::ProtocolVersion => 0.0,
+            | Stream::ProtocolVersion => None,
         }
     }
 
     /// Changes the rate at which this stream comes by default.
     pub fn set_default_rate(self, rates: &mut TelemetryRates, rate_hz: f64) {
-        let rate = match self {
-            Stream::Heartbeat => &mut rates.heartbeat_hz,
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent | Stream::FenceStatus => {
-                &mut rates.sys_status_hz
-            }
-            Stream::SystemTime => &mut rates.system_time_hz,
-            Stream::Attitude => &mut rates.attitude_hz,
-            Stream::GlobalPositionInt => &mut rates.global_position_int_hz,
-            Stream::VfrHud => &mut rates.vfr_hud_hz,
-            Stream::LocalPositionNed => &mut rates.local_position_ned_hz,
-            Stream::GpsGlobalOrigin
-            | Stream::HomePosition
-            | Stream::BatteryStatus
-            | Stream::ExtendedSysState
-            | Stream::AutopilotVersion
-            | Stream::ProtocolVersion => return,
-        };
-        *rate = rate_hz;
+        if let Some(rate) = self.default_rate_hz(rates) {
+            *rate = rate_hz;
+        }
     }
 
     /// The time between two messages by default; none if the stream is off.
     pub fn default_interval(self, rates: &TelemetryRates) -> Option<Duration> {
-        let rate_hz = self.default_rate_hz(rates);
+        let rate_hz = self.default_rate_hz(&mut { *rates }).map_or(0.0, |rate| *rate);
         (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
     }
 }

@@ -3,6 +3,7 @@
 use crate::failsafe::Failsafes;
 use crate::fence::Fence;
 use crate::flight::Flight;
+use crate::life::Life;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
 use crate::mission::{Mission, Progress};
@@ -59,6 +60,7 @@ pub struct Vehicle {
     pub(crate) lockstep: Option<Lockstep>,
     pub(crate) host_now: Duration,
     pub(crate) failsafes: Failsafes,
+    pub(crate) life: Life,
     pub(crate) parameters: Parameters,
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
@@ -69,6 +71,7 @@ pub struct Vehicle {
     pub(crate) rally: Rally,
     pub(crate) uploads: Uploads,
     pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
+    pub(crate) plan_totals: [f32; PlanKind::ALL.len()],
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     /// Vehicle time at which it last flew.
@@ -107,23 +110,26 @@ impl Vehicle {
     }
 
     fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        let parameters = Parameters::new(&settings);
         let mut vehicle = Self {
+            life: Life::new(&settings, &parameters),
             flight: Flight::new(&settings),
             links: Links::new(&settings),
             time: Duration::ZERO,
             lockstep,
             host_now: Duration::ZERO,
             failsafes: Failsafes::new(),
-            parameters: Parameters::new(&settings),
+            parameters,
             parameters_changed: false,
             listings: Listings::default(),
             pace: Arc::default(),
-            mission: Mission::default(),
+            mission: Mission::new(settings.personality.first_mission_item()),
             progress: Progress::default(),
             fence: Fence::default(),
             rally: Rally::default(),
             uploads: Uploads::default(),
             plans_changed: Default::default(),
+            plan_totals: Default::default(),
             quiet_until: Duration::ZERO,
             flown_at: Duration::ZERO,
             home_is_set: false,
@@ -132,10 +138,11 @@ impl Vehicle {
             wire: Counters::default(),
             settings,
         };
-        for (name, value) in std::mem::take(&mut vehicle.settings.parameters) {
-            let known = vehicle.parameters.named(&name).ok_or(SettingsError::NoSuchParameter(name))?;
-            vehicle.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
-        }
+        let defaults = std::mem::take(&mut vehicle.settings.default_parameters);
+        let kept = std::mem::take(&mut vehicle.settings.parameters);
+        vehicle.take_parameters(defaults)?;
+        vehicle.parameters.make_defaults();
+        vehicle.take_parameters(kept)?;
         let plans = std::mem::take(&mut vehicle.settings.plans);
         vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
@@ -145,6 +152,14 @@ impl Vehicle {
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
+    }
+
+    fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
+        for (name, value) in values {
+            let known = self.parameters.named(&name).ok_or(SettingsError::NoSuchParameter(name))?;
+            self.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
+        }
+        Ok(())
     }
 
     /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
@@ -192,7 +207,7 @@ impl Vehicle {
         if !setpoint.is_finite() {
             return Err(SetpointRefusal::NotFinite.into());
         }
-        self.flight.set_speed(setpoint.speed_mps, f64::INFINITY);
+        self.flight.set_ground_speed(setpoint.speed_mps);
         self.flight.set_course(setpoint.course_rad, f64::INFINITY);
         self.flight.set_altitude(setpoint.altitude_m, f64::INFINITY);
         self.restart_setpoint_timeout();
@@ -210,6 +225,7 @@ impl Vehicle {
         let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
         self.links.begin_batch(None);
         self.integrate(tick_end.saturating_sub(self.settings.step), track);
+        self.live();
         self.step_flight();
         self.time = tick_end;
         track.push(*self.flight.state());
@@ -276,10 +292,10 @@ impl Vehicle {
         self.flight.is_armed()
     }
 
-    /// Whether the lack of setpoints took it out of GUIDED and nobody has set a mode since, or its ground station is
-    /// missing.
+    /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
+    /// station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafes.setpoints_lost || self.failsafes.ground_lost || self.px4.failsafe.is_some()
+        self.failsafes.is_any() || self.px4.failsafe.is_some()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
@@ -310,6 +326,7 @@ impl Vehicle {
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
         let step = self.settings.step;
         while self.time + step <= until {
+            self.live();
             self.step_flight();
             self.time += step;
             track.push(*self.flight.state());
@@ -358,7 +375,7 @@ impl Vehicle {
     }
 
     pub(crate) fn send_stream(&mut self, link: usize, stream: Stream) {
-        self.with_instruments(|links, instruments| links.send(link, &instruments.message(stream)));
+        self.with_instruments(|links, instruments| links.send_stream(link, stream, instruments));
     }
 
     pub(crate) fn send_stream_to_all(&mut self, stream: Stream) {
@@ -381,8 +398,11 @@ impl Vehicle {
             frame: &self.settings.frame,
             mission: &self.mission,
             progress: &self.progress,
-            fence: self.fence.report(&self.parameters),
             failsafe: self.is_in_failsafe(),
+            life: &self.life,
+            parameters: &self.parameters,
+            battery_level: self.failsafes.battery.level(),
+            fence: self.fence.report(&self.parameters),
             is_armable,
             clock_epoch_us: self.settings.clock_epoch_us,
         };

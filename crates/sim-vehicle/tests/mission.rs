@@ -304,7 +304,9 @@ fn the_current_item_is_set_and_auto_goes_on_from_it() {
     let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
     client.command_long(MAV_CMD_MISSION_START, [0.0; 3]);
     assert_eq!(client.vehicle.mode(), Mode::Auto);
-    client.ask(&Message::MISSION_CLEAR_ALL(clear));
+    assert_eq!(result(&client.ask(&Message::MISSION_CLEAR_ALL(clear))), Some(MAV_MISSION_ERROR), "it is flown");
+    assert_eq!((client.vehicle.mode(), on_board(&mut client).len()), (Mode::Auto, 5));
+    assert_eq!(result(&client.ask(&count(0))), Some(MAV_MISSION_ACCEPTED));
     assert_eq!(client.vehicle.mode(), Mode::Rtl);
     client.vehicle.handle_timeout(Duration::from_secs(1));
 }

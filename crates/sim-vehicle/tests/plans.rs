@@ -189,6 +189,7 @@ fn who_uploads_may_begin_anew_with_another_count_or_break_off() {
         mission_type: FENCE,
         ..MISSION_ACK_DATA::DEFAULT
     };
+    assert_eq!(result(&client.ask(&Message::MISSION_ACK(ack.clone()))), Some((FENCE, MAV_MISSION_OPERATION_CANCELLED)));
     assert_eq!(client.ask(&Message::MISSION_ACK(ack)), []);
     assert_eq!(client.vehicle.poll_timeout(), None);
     client.address = peer(50_000);

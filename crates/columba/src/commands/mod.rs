@@ -5,6 +5,7 @@ mod compare;
 mod fly;
 mod run;
 mod suites;
+mod table;
 mod vehicles;
 
 pub use check::check;
@@ -17,7 +18,7 @@ pub use vehicles::vehicles;
 use crate::args::Cli;
 use crate::config::Scenario;
 use crate::flight::Flight;
-use crate::flying::{Log, Stop};
+use crate::flying::{self, Log, Stop};
 use crate::record::{self, RunFolder};
 use crate::report;
 use anyhow::{Context, anyhow};
@@ -96,9 +97,26 @@ fn ground_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> 
     port_refused(scenario, "link.ground_port", "--ground-port", "a free port, or 0 for any", error.into())
 }
 
+/// Sees to it that the system lets this program open a port for each vehicle or group.
+fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
+    /// What else is open: the terminal, the runtime, the ground's port, files of the run.
+    const OTHERS: u64 = 64;
+    let needed = flying::ports(scenario) as u64 + OTHERS;
+    match rlimit::increase_nofile_limit(needed) {
+        Ok(allowed) if allowed < needed => Err(anyhow!(
+            "{} vehicles need {} ports, and the system allows {allowed} open files: must be at least {needed} \
+             (ulimit -n {needed}), or fewer ports (--per-port N)",
+            scenario.starts.len(),
+            flying::ports(scenario)
+        )),
+        // Where there is no such limit, or none can be found out, the ports will tell.
+        _ => Ok(()),
+    }
+}
+
 /// A vehicle's port that cannot be bound.
 fn vehicle_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
-    let wanted = match scenario.starts.len() {
+    let wanted = match flying::ports(scenario) {
         1 => "a free port, or 0 for any".to_owned(),
         count => format!("the first of {count} free ports in a row, or 0 for any"),
     };

@@ -1,7 +1,8 @@
 //! `columba run`: a scenario end to end.
 
 use super::{
-    Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal, vehicle_port_refused,
+    Failure, allow_ports, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal,
+    vehicle_port_refused,
 };
 use crate::args::{Cli, RunArgs, Transport};
 use crate::config::{self, Overrides, Scenario, VEHICLE_PORT};
@@ -46,6 +47,7 @@ fn over_udp(
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Log)> {
+    allow_ports(scenario)?;
     block_on(async {
         let mut ground =
             Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
@@ -54,7 +56,7 @@ fn over_udp(
         // Nobody else needs to find the vehicles of a run in lockstep, and several such runs share a machine.
         let base_port = scenario.link.vehicle_port.unwrap_or(if speed.is_some() { VEHICLE_PORT } else { 0 });
         let (observer, truth) = flying::truth(scenario.starts.len(), scenario.integration_step);
-        let vehicles = flying::vehicle_settings(scenario, Some(ground.address()?), epoch_us);
+        let vehicles = flying::led_vehicle_settings(scenario, Some(ground.address()?), epoch_us);
         // The link's impairment is the ground's: both directions pass there once.
         let settings = flying::host_settings(scenario, clock, base_port, LinkSettings::default());
         let (stop_vehicles, stopped) = watch::channel(false);

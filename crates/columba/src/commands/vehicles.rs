@@ -1,37 +1,29 @@
 //! `columba vehicles`: the simulated vehicles alone.
 
-use super::{Failure, block_on, stop_on_signal, vehicle_port_refused};
+use super::table::Table;
+use super::{Failure, allow_ports, block_on, stop_on_signal, vehicle_port_refused};
 use crate::args::{Cli, VehiclesArgs};
-use crate::config::{self, GROUND_PORT, Overrides, VEHICLE_PORT};
+use crate::config::{self, GROUND_PORT, Overrides, Scenario, VEHICLE_PORT};
 use crate::flying;
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Host, HostSettings, VehicleSettings};
+use sim_vehicle::{Host, HostReport, HostSettings};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
 /// Runs the vehicles until Ctrl-C.
 pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
-    let overrides = Overrides {
-        seed: args.seed,
-        vehicle_port: args.vehicle_port,
-        ground_port: args.ground_port,
-        loss: args.loss,
-        count: args.count,
-        on_ground: args.on_ground,
-        personality: args.personality,
-        ..Overrides::default()
-    };
-    let scenario = config::load(args.config.as_deref(), &overrides)?;
+    let scenario = config::load(args.config.as_deref(), &overrides(args))?;
+    let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
+    check_apart(&scenario, base_port)?;
+    allow_ports(&scenario)?;
     let stop = stop_on_signal()?;
-    let (clock, epoch_us) = flying::clock(&scenario, (!args.lockstep).then_some(args.speed));
-    let ground_port = scenario.link.ground_port.unwrap_or(GROUND_PORT);
-    let ground = (ground_port > 0).then(|| SocketAddr::new(scenario.link.host, ground_port));
+    let speed = (!args.lockstep).then_some(args.speed);
+    let (clock, epoch_us) = flying::clock(&scenario, speed);
     let impairment = scenario.link.impairment;
     let link =
         LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
-    let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
     if let Some(folder) = &args.state_folder {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
@@ -39,59 +31,68 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
         parameters_folder: args.state_folder.clone(),
         ..flying::host_settings(&scenario, clock, base_port, link)
     };
-    let personality = scenario.autopilot.personality;
-    let vehicles: Vec<VehicleSettings> = flying::vehicle_settings(&scenario, ground, epoch_us)
-        .into_iter()
-        .map(|settings| VehicleSettings { personality, ..settings })
-        .collect();
+    let mut vehicles = flying::vehicle_settings(&scenario, None, epoch_us);
+    for (index, vehicle) in vehicles.iter_mut().enumerate() {
+        vehicle.ground = ground(&scenario, index);
+    }
     let report = block_on(async {
-        let host = Host::bind(&settings, vehicles.clone()).map_err(|error| vehicle_port_refused(&scenario, error))?;
+        let host = Host::bind(&settings, vehicles).map_err(|error| vehicle_port_refused(&scenario, error))?;
         if args.json || !cli.quiet {
-            let table = table(&vehicles, host.addresses(), ground, args.json);
+            let table = Table::of(&host, speed);
+            let words = if args.json { table.json() } else { table.words() };
             // Scripts wait for this: it must not stay in a buffer.
             let mut out = std::io::stdout().lock();
-            out.write_all(table.as_bytes()).and_then(|()| out.flush()).context("cannot print the table of vehicles")?;
+            out.write_all(words.as_bytes()).and_then(|()| out.flush()).context("cannot print the table of vehicles")?;
         }
         Ok(host.run(Arc::new(|_| {}), stop).await?)
     })?;
     tracing::info!(wire = ?report.wire, "vehicles stopped");
+    tell_speed(&report, args.speed);
     Ok(())
 }
 
-/// Who is where on which port.
-fn table(vehicles: &[VehicleSettings], addresses: &[SocketAddr], ground: Option<SocketAddr>, json: bool) -> String {
-    let rows = vehicles.iter().zip(addresses).enumerate();
-    if json {
-        let rows: Vec<serde_json::Value> = rows
-            .map(|(index, (vehicle, address))| {
-                let start = vehicle.start;
-                serde_json::json!({
-                    "vehicle": index + 1, "system_id": vehicle.system_id, "component_id": vehicle.component_id,
-                    "address": address.to_string(), "host": address.ip().to_string(), "port": address.port(),
-                    "x_m": start.x_m, "y_m": start.y_m, "altitude_m": start.altitude_m,
-                    "speed_mps": start.speed_mps, "course_rad": start.course_rad,
-                })
-            })
-            .collect();
-        return format!(
-            "{}\n",
-            serde_json::json!({ "ground": ground.map(|address| address.to_string()), "vehicles": rows })
-        );
+fn overrides(args: &VehiclesArgs) -> Overrides {
+    Overrides {
+        seed: args.seed,
+        vehicle_port: args.vehicle_port,
+        ground_port: args.ground_port,
+        loss: args.loss,
+        count: args.count,
+        pattern: args.pattern,
+        swarm: args.swarm.clone(),
+        vehicles_per_port: args.per_port,
+        parameters: args.parameters.clone(),
+        on_ground: args.on_ground,
+        personality: args.personality,
+        ..Overrides::default()
     }
-    let mut table =
-        format!("{:>7} {:>6}  {:<21} {:>9} {:>9} {:>8}\n", "vehicle", "system", "listens on", "x m", "y m", "alt m");
-    for (index, (vehicle, address)) in rows {
-        let start = vehicle.start;
-        table += &format!(
-            "{:>7} {:>6}  {:<21} {:>9.1} {:>9.1} {:>8.1}\n",
-            index + 1,
-            vehicle.system_id,
-            address.to_string(),
-            start.x_m,
-            start.y_m,
-            start.altitude_m
-        );
+}
+
+/// Where a vehicle sends its telemetry unasked. Each network has a ground port of its own: on one port, vehicles of two
+/// networks with the same system id would be taken for one.
+fn ground(scenario: &Scenario, vehicle: usize) -> Option<SocketAddr> {
+    let first = scenario.link.ground_port.unwrap_or(GROUND_PORT);
+    let port = u16::try_from(usize::from(first) + flying::network(vehicle) - 1).ok()?;
+    (first > 0).then(|| SocketAddr::new(scenario.link.host, port))
+}
+
+/// Vehicles that listened where telemetry goes would hear each other instead of a ground station.
+fn check_apart(scenario: &Scenario, base_port: u16) -> anyhow::Result<()> {
+    let (first, end) = (usize::from(base_port), usize::from(base_port) + flying::ports(scenario));
+    let grounds = (0..scenario.starts.len()).filter_map(|vehicle| ground(scenario, vehicle));
+    match grounds.map(|ground| usize::from(ground.port())).find(|port| first > 0 && (first..end).contains(port)) {
+        Some(port) => Err(anyhow!(
+            "telemetry goes to UDP {port}, which is one of the vehicles' ports, {first} to {}: must be apart \
+             (--ground-port, --vehicle-port)",
+            end - 1
+        )),
+        None => Ok(()),
     }
-    let unasked = ground.map(|address| format!("{address} and to ")).unwrap_or_default();
-    table + &format!("telemetry to {unasked}whoever speaks to a vehicle; Ctrl-C ends\n")
+}
+
+/// Says so if the vehicles fell behind the clock: by less than a hundredth, nobody can tell.
+fn tell_speed(report: &HostReport, asked: f64) {
+    if let Some(reached) = report.speed_reached.filter(|reached| *reached < 0.99 * asked) {
+        tracing::warn!("the vehicles fell behind: {reached:.2} times real time instead of {asked}");
+    }
 }

@@ -1,9 +1,12 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use super::obstacles::{ObstacleTable, ObstaclesTable};
+use super::swarm::Place;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use optimizer::OptimizerSettings;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// The whole file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -44,6 +47,9 @@ pub struct ScenarioFile {
     /// What they do beside flying.
     #[serde(default)]
     pub autopilot: AutopilotTable,
+    /// The vehicles' parameters at the start, by name.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
     /// The link.
     #[serde(default)]
     pub link: LinkTable,
@@ -141,14 +147,19 @@ pub struct VehicleTable {
 }
 
 /// Many vehicles' starts.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PatternTable {
-    /// How many.
-    pub count: usize,
+    /// How many; as many as the file has where absent.
+    pub count: Option<usize>,
     /// How they are laid out.
     #[serde(default)]
     pub pattern: Pattern,
+    /// The file of [`Pattern::File`].
+    pub file: Option<PathBuf>,
+    /// What is in it, once it has been read.
+    #[serde(skip)]
+    pub places: Vec<Place>,
     /// Between neighbours, m.
     #[serde(default = "twelve")]
     pub spacing_m: f64,
@@ -179,11 +190,25 @@ fn twelve() -> f64 {
     PatternTable::DEFAULT.spacing_m
 }
 
+impl ScenarioFile {
+    /// How many vehicles there are, once a swarm file has been read.
+    pub fn count(&self) -> usize {
+        self.vehicle.len().max(self.vehicles.as_ref().map_or(0, PatternTable::count))
+    }
+}
+
 impl PatternTable {
+    /// How many, once a swarm file has been read.
+    pub fn count(&self) -> usize {
+        self.count.unwrap_or(self.places.len())
+    }
+
     /// One vehicle at the origin.
     pub const DEFAULT: Self = Self {
-        count: 1,
+        count: Some(1),
         pattern: Pattern::Grid,
+        file: None,
+        places: Vec::new(),
         spacing_m: 12.0,
         x_m: 0.0,
         y_m: 0.0,
@@ -209,6 +234,9 @@ pub enum Pattern {
     Wedge,
     /// Anywhere in a square as large as the grid's, no two nearer than half the spacing; by the scenario's seed.
     Random,
+    /// As a file says, in the form of ArduPilot's swarminit.txt.
+    #[value(skip)]
+    File,
 }
 
 /// Eq. 1 and 3.
@@ -318,6 +346,8 @@ pub struct LinkTable {
     /// First vehicle's port; the others follow. 0: any free ports. Where absent: 14600, or any free ports for a run in
     /// lockstep, which nobody else needs to find.
     pub vehicle_port: Option<u16>,
+    /// Vehicles on one port, 1 to 250; frames find theirs by the target system.
+    pub vehicles_per_port: usize,
     /// Controller's port, to which vehicles send their telemetry. Where absent: 14550, or any free port for a run.
     pub ground_port: Option<u16>,
     /// How setpoints are written in real time.
@@ -350,6 +380,7 @@ impl Default for LinkTable {
         Self {
             host: "127.0.0.1".to_owned(),
             vehicle_port: None,
+            vehicles_per_port: 1,
             ground_port: None,
             setpoints: SetpointDialect::default(),
             loss: 0.0,

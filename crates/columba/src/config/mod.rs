@@ -1,4 +1,5 @@
 //! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check.rs` its rules;
+//! `swarm.rs` a file of starts;
 //! `source.rs`, `spot.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where; `contender.rs` and `layer.rs` are what a
 //! comparison lays over a scenario.
 
@@ -14,6 +15,7 @@ mod refusal;
 mod scenario;
 mod source;
 mod spot;
+mod swarm;
 
 pub use check::{COUNT_MAX, DURATION_MAX_S, SHARE_MAX};
 pub use contender::{Contender, Entry, read_contenders};
@@ -23,6 +25,7 @@ pub use provenance::Provenance;
 pub use scenario::{GROUND_PORT, Link, Overrides, Scenario, VEHICLE_PORT, file_name};
 pub use source::ConfigError;
 
+use crate::flying::vehicle_settings;
 use file::ScenarioFile;
 use source::Source;
 use std::path::Path;
@@ -60,13 +63,23 @@ fn parse(source: Source, overrides: &Overrides) -> Result<Scenario, ConfigError>
 /// The file, every setting of which is in its range.
 fn tables(source: Source, overrides: &Overrides) -> Result<(ScenarioFile, Provenance), ConfigError> {
     let mut file: ScenarioFile = source.parse()?;
-    overrides.apply(&mut file);
+    read_swarm(&mut file, &source, overrides)?;
     preset::apply(&mut file, &source)?;
     let provenance = Provenance::new(source, overrides);
     let mut faults = check::Faults::default();
     check::tables(&file, &mut faults);
     provenance.refuse(&faults)?;
     Ok((file, provenance))
+}
+
+/// Lays the flags over the file, and reads the swarm file that either names: the one of a scenario is beside it.
+fn read_swarm(file: &mut ScenarioFile, source: &Source, overrides: &Overrides) -> Result<(), ConfigError> {
+    overrides.apply(file);
+    let Some(table) = file.vehicles.as_mut().filter(|table| table.pattern == Pattern::File) else { return Ok(()) };
+    let Some(path) = &table.file else { return Ok(()) };
+    let folder = Path::new(source.name()).parent().filter(|_| overrides.swarm.is_none());
+    table.places = swarm::read(&folder.unwrap_or(Path::new("")).join(path))?;
+    Ok(())
 }
 
 /// What flies with the file's seed: everything random has its place, and every start is free.
@@ -80,6 +93,7 @@ fn scenario(mut file: ScenarioFile, provenance: Provenance) -> Result<Scenario, 
     }
     let scenario = Scenario::new(file, provenance);
     check::starts(&scenario, by_pattern, &mut faults);
+    check::parameters(&scenario, &vehicle_settings(&scenario, None, 0), &mut faults);
     scenario.provenance.refuse(&faults)?;
     Ok(scenario)
 }

@@ -12,19 +12,26 @@ const BEFORE_THE_FLIGHT: u64 = u64::MAX;
 /// The starts of a pattern whose vehicles fly as `like` does, but for the spreads. `seed` places random ones.
 pub fn starts(table: &PatternTable, like: &State, seed: u64) -> Vec<State> {
     let (sin, cos) = libm::sincos(like.course_rad);
-    offsets(table, seed)
+    let place = |(ahead_m, right_m): (f64, f64)| State {
+        x_m: table.x_m + ahead_m * cos - right_m * sin,
+        y_m: table.y_m + ahead_m * sin + right_m * cos,
+        ..*like
+    };
+    let places: Vec<State> = match table.pattern {
+        Pattern::File => table.places.iter().take(table.count()).map(|place| place.start(table, like)).collect(),
+        _ => offsets(table, seed).into_iter().map(place).collect(),
+    };
+    places
         .into_iter()
         .enumerate()
-        .map(|(index, (ahead_m, right_m))| {
+        .map(|(index, start)| {
             let mut rng = stream(seed, index as u64, BEFORE_THE_FLIGHT);
             let mut spread = |spread: f64| rng.random_range(-spread..=spread);
             State {
-                x_m: table.x_m + ahead_m * cos - right_m * sin,
-                y_m: table.y_m + ahead_m * sin + right_m * cos,
-                altitude_m: like.altitude_m + spread(table.altitude_spread_m),
-                speed_mps: like.speed_mps + spread(table.speed_spread_mps),
-                course_rad: wrap_pi(like.course_rad + spread(table.course_spread_deg.to_radians())),
-                ..*like
+                altitude_m: start.altitude_m + spread(table.altitude_spread_m),
+                speed_mps: start.speed_mps + spread(table.speed_spread_mps),
+                course_rad: wrap_pi(start.course_rad + spread(table.course_spread_deg.to_radians())),
+                ..start
             }
         })
         .collect()
@@ -32,7 +39,7 @@ pub fn starts(table: &PatternTable, like: &State, seed: u64) -> Vec<State> {
 
 /// (ahead, right) of the centre, m.
 fn offsets(table: &PatternTable, seed: u64) -> Vec<(f64, f64)> {
-    let (count, spacing_m) = (table.count, table.spacing_m);
+    let (count, spacing_m) = (table.count(), table.spacing_m);
     let columns = (count as f64).sqrt().ceil().max(1.0) as usize;
     match table.pattern {
         Pattern::Line => (0..count).map(|i| (0.0, (i as f64 - 0.5 * (count as f64 - 1.0)) * spacing_m)).collect(),
@@ -52,6 +59,8 @@ fn offsets(table: &PatternTable, seed: u64) -> Vec<(f64, f64)> {
                 )
             })
             .collect(),
+        // Its places are the file's.
+        Pattern::File => Vec::new(),
         Pattern::Random => random(count, columns as f64 * spacing_m, 0.5 * spacing_m, seed),
     }
 }

@@ -13,7 +13,7 @@ const FAULTS_SHOWN_MAX: usize = 20;
 pub struct Provenance {
     source: Source,
     /// A key of the file, and the flag with its value that stands in for it.
-    flags: Vec<(&'static str, String)>,
+    flags: Vec<(String, String)>,
 }
 
 impl Provenance {

@@ -1,12 +1,13 @@
 //! A checked scenario: what flies.
 
-use super::file::{AutopilotTable, PatternTable, Preset, ScenarioFile, SetpointDialect};
+use super::file::{AutopilotTable, Pattern, PatternTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
 use mavlink_bridge::ImpairmentSettings;
 use optimizer::{Algorithm, OptimizerSettings};
 use sim_vehicle::Personality;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -43,6 +44,8 @@ pub struct Scenario {
     pub optimizer: OptimizerSettings,
     /// What vehicles do beside flying.
     pub autopilot: AutopilotTable,
+    /// The vehicles' parameters at the start, by name.
+    pub parameters: BTreeMap<String, f32>,
     /// The link.
     pub link: Link,
     /// The run's folder.
@@ -63,7 +66,9 @@ pub struct Link {
     pub host: IpAddr,
     /// First vehicle's port; 0: any free ports.
     pub vehicle_port: Option<u16>,
-    /// Controller's port; 0: any free one.
+    /// Vehicles on one port.
+    pub vehicles_per_port: usize,
+    /// Controller's port; 0: any free one. Each further network of vehicles has the next.
     pub ground_port: Option<u16>,
     /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
@@ -96,14 +101,28 @@ pub struct Overrides {
     pub on_ground: bool,
     /// `--personality`.
     pub personality: Option<Personality>,
+    /// `--pattern`: how they are laid out.
+    pub pattern: Option<Pattern>,
+    /// `--swarm`: replaces the file's vehicles by those of a swarm file.
+    pub swarm: Option<PathBuf>,
+    /// `--per-port`.
+    pub vehicles_per_port: Option<usize>,
+    /// `--param`, each NAME and value; the last of a name counts.
+    pub parameters: Vec<(String, f64)>,
 }
 
 impl Overrides {
     /// The keys that are changed, each with the flag and the value that change it.
-    pub(super) fn flags(&self) -> Vec<(&'static str, String)> {
-        fn flag(key: &'static str, name: &str, value: Option<impl Display>) -> Option<(&'static str, String)> {
-            value.map(|value| (key, format!("{name} {value}")))
+    pub(super) fn flags(&self) -> Vec<(String, String)> {
+        fn flag(key: &str, name: &str, value: Option<impl Display>) -> Option<(String, String)> {
+            value.map(|value| (key.to_owned(), format!("{name} {value}")))
         }
+        let swarm = self.swarm.as_ref().map(|file| file.display());
+        let parameters = self
+            .parameters
+            .iter()
+            .rev()
+            .map(|(name, value)| Some((format!("parameters.{name}"), format!("--param {name}={value}"))));
         let folder = self.folder.as_ref().map(|folder| folder.display());
         [
             flag("scenario.seed", "--seed", self.seed),
@@ -111,13 +130,16 @@ impl Overrides {
             flag("output.folder", "--out", folder),
             flag("link.vehicle_port", "--vehicle-port", self.vehicle_port),
             flag("link.ground_port", "--ground-port", self.ground_port),
+            flag("link.vehicles_per_port", "--per-port", self.vehicles_per_port),
             flag("link.loss", "--loss", self.loss),
             flag("vehicles", "--count", self.count),
             flag("vehicles.count", "--count", self.count),
             flag("autopilot.personality", "--personality", self.personality),
             flag("autopilot.on_ground", "--on-ground", self.on_ground.then_some("")),
+            flag("vehicles", "--swarm", swarm),
         ]
         .into_iter()
+        .chain(parameters)
         .flatten()
         .collect()
     }
@@ -133,10 +155,19 @@ impl Overrides {
         file.preset = self.preset.unwrap_or(file.preset);
         file.optimizer.algorithm = self.algorithm.unwrap_or(file.optimizer.algorithm);
         file.link.loss = self.loss.unwrap_or(file.link.loss);
-        if let Some(count) = self.count {
+        file.link.vehicles_per_port = self.vehicles_per_port.unwrap_or(file.link.vehicles_per_port);
+        file.parameters.extend(self.parameters.iter().cloned());
+        if self.count.is_some() || self.swarm.is_some() {
             file.vehicle.clear();
-            let pattern = file.vehicles.take();
-            file.vehicles = Some(PatternTable { count, ..pattern.unwrap_or(PatternTable::DEFAULT) });
+            file.vehicles.get_or_insert(PatternTable::DEFAULT);
+        }
+        let Some(table) = &mut file.vehicles else { return };
+        if let Some(swarm) = &self.swarm {
+            (table.pattern, table.file, table.count) = (Pattern::File, Some(swarm.clone()), None);
+        }
+        table.count = self.count.or(table.count);
+        if let Some(pattern) = self.pattern {
+            (table.pattern, table.file) = (pattern, None);
         }
     }
 }
@@ -173,9 +204,11 @@ impl Scenario {
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
+            parameters: file.parameters.into_iter().map(|(name, value)| (name, value as f32)).collect(),
             link: Link {
                 host: file.link.host.parse().unwrap_or(IpAddr::from([127, 0, 0, 1])),
                 vehicle_port: file.link.vehicle_port,
+                vehicles_per_port: file.link.vehicles_per_port,
                 ground_port: file.link.ground_port,
                 setpoints: file.link.setpoints,
                 impairment: ImpairmentSettings {

@@ -4,6 +4,7 @@ use super::*;
 
 mod contenders;
 mod manual;
+mod many;
 
 /// A small file that is good; tests change one line of it. `radius_m` is on line 18.
 const GOOD: &str = r#"[scenario]

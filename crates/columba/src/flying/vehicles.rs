@@ -2,7 +2,10 @@
 
 use crate::config::Scenario;
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Clock, HostSettings, LockstepSettings, TelemetryRates, VehicleSettings};
+use sim_vehicle::{
+    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, TelemetryRates, VehicleSettings,
+    port_index,
+};
 use std::net::SocketAddr;
 use std::time::{Duration, SystemTime};
 
@@ -10,19 +13,32 @@ use std::time::{Duration, SystemTime};
 /// the same whenever it is flown.
 pub const LOCKSTEP_EPOCH_US: u64 = 1_767_225_600_000_000;
 
-/// System ids of one MAVLink network; further vehicles begin again at one, and differ by their port.
-const SYSTEM_IDS: usize = 250;
-
-/// The system id of the vehicle of an index.
+/// The system id of the vehicle of an index: in each network they begin again at one.
 pub fn system_id(index: usize) -> u8 {
-    (index % SYSTEM_IDS) as u8 + 1
+    (index % NETWORK_VEHICLES_MAX) as u8 + 1
+}
+
+/// The MAVLink network of the vehicle of an index, counted from one.
+pub fn network(index: usize) -> usize {
+    index / NETWORK_VEHICLES_MAX + 1
+}
+
+/// How many UDP ports the vehicles of a scenario have.
+pub fn ports(scenario: &Scenario) -> usize {
+    let last = scenario.starts.len().checked_sub(1);
+    last.map_or(0, |last| port_index(last, scenario.link.vehicles_per_port) + 1)
 }
 
 /// Settings of every vehicle of the scenario; telemetry goes to `ground` unasked.
 pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_epoch_us: u64) -> Vec<VehicleSettings> {
     let autopilot = &scenario.autopilot;
+    let parameters: Vec<(String, f32)> =
+        scenario.parameters.iter().map(|(name, value)| (name.clone(), *value)).collect();
     let vehicle = |(index, start): (usize, &flight_model::State)| VehicleSettings {
+        seed: scenario.seed,
+        number: index as u64,
         system_id: system_id(index),
+        personality: autopilot.personality,
         dynamics: scenario.dynamics,
         step: scenario.integration_step,
         start: *start,
@@ -37,14 +53,27 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
             global_position_int_hz: autopilot.global_position_int_hz,
             vfr_hud_hz: autopilot.vfr_hud_hz,
             local_position_ned_hz: autopilot.local_position_ned_hz,
+            ..TelemetryRates::default()
         },
         setpoint_timeout_s: autopilot.setpoint_timeout_s,
         loiter_radius_m: autopilot.loiter_radius_m,
         clock_epoch_us,
         ground,
+        default_parameters: parameters.clone(),
         ..VehicleSettings::default()
     };
     scenario.starts.iter().enumerate().map(vehicle).collect()
+}
+
+/// The same for a flight that our own controller leads: it leads ArduPlanes.
+pub fn led_vehicle_settings(
+    scenario: &Scenario,
+    ground: Option<SocketAddr>,
+    clock_epoch_us: u64,
+) -> Vec<VehicleSettings> {
+    let personality = Personality::ArduPlane;
+    let vehicles = vehicle_settings(scenario, ground, clock_epoch_us).into_iter();
+    vehicles.map(|settings| VehicleSettings { personality, ..settings }).collect()
 }
 
 /// The clock of a scenario's vehicles and what it shows at time zero, in microseconds since the Unix epoch: `speed` times
@@ -66,5 +95,6 @@ pub fn unix_us() -> u64 {
 
 /// The host of a scenario's vehicles.
 pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: LinkSettings) -> HostSettings {
-    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port: 1, clock, link, parameters_folder: None }
+    let vehicles_per_port = scenario.link.vehicles_per_port;
+    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port, clock, link, parameters_folder: None }
 }

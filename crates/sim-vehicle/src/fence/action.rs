@@ -169,10 +169,11 @@ impl Vehicle {
             self.leave_recovery();
         } else if on_ground {
             // It is told when it is to be armed.
-        } else if fresh != 0 && !self.is_in_fence_recovery() {
+        } else if fresh != 0 {
             self.tell_fence("breached", fresh);
-            self.counters.failsafes += 1;
-            self.recover();
+            if !self.is_in_fence_recovery() {
+                self.recover();
+            }
         } else if before != 0 && self.fence.breached == 0 {
             self.say(MavSeverity::MAV_SEVERITY_NOTICE, "Fence breach cleared");
         }
@@ -187,6 +188,7 @@ impl Vehicle {
             // Only told: 0, and what has no meaning for a plane.
             _ => return,
         };
+        self.counters.failsafes += 1;
         self.set_mode(mode);
         if mode == Mode::Guided {
             self.fly_to_return_point();

@@ -51,10 +51,12 @@ impl Flight {
         let after_mps = (before_mps + acceleration_mps2 * step_s).max(0.0);
         let run_m = 0.5 * (before_mps + after_mps) * step_s;
         let (sin, cos) = libm::sincos(self.state.course_rad);
-        self.previous_course_rad = self.state.course_rad;
-        self.state.x_m += run_m * cos;
-        self.state.y_m += run_m * sin;
-        self.state.speed_mps = after_mps;
+        self.roll_to(State {
+            x_m: self.state.x_m + run_m * cos,
+            y_m: self.state.y_m + run_m * sin,
+            speed_mps: after_mps,
+            ..self.state
+        });
         if runs && after_mps >= self.dynamics.limits.speed_min_mps {
             self.contact = Contact::Air;
         }

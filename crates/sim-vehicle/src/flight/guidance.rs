@@ -10,6 +10,8 @@ use flight_model::wrap_pi;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Direction {
     Course(f64),
+    /// Where the nose points: the course is what the wind makes of it.
+    Heading(f64),
     Circle(Circle),
     /// To a place, (north, east) in m.
     Place((f64, f64)),
@@ -76,8 +78,8 @@ impl Flight {
     /// The course setpoint of this moment, rad (any turn).
     pub(super) fn guide_rad(&self) -> f64 {
         match &self.direction {
-            Direction::Course(course_rad) => *course_rad,
-            Direction::Circle(circle) => circle.course_rad(&self.state),
+            Direction::Course(rad) | Direction::Heading(rad) => *rad,
+            Direction::Circle(circle) => circle.course_rad(&self.estimate()),
             Direction::Place(place) => self.course_to_rad(*place),
         }
     }
@@ -117,18 +119,19 @@ impl Flight {
     /// the vehicle first flies away.
     pub(super) fn course_to_rad(&self, (x_m, y_m): (f64, f64)) -> f64 {
         const AHEAD_RAD: f64 = 1.0;
-        let (north, east) = (x_m - self.state.x_m, y_m - self.state.y_m);
+        let state = self.estimate();
+        let (north, east) = (x_m - state.x_m, y_m - state.y_m);
         let distance_m = (north * north + east * east).sqrt();
         if distance_m < 1e-6 {
-            return self.state.course_rad;
+            return state.course_rad;
         }
-        let speed_mps = self.state.speed_mps;
+        let speed_mps = state.speed_mps;
         let lag_m = speed_mps * self.dynamics.time_constants.course_s;
         let tightest_m = speed_mps * speed_mps / self.limited_dynamics().limits.lateral_acceleration_max_mps2();
         let bearing_rad = libm::atan2(east, north);
-        let off_rad = wrap_pi(bearing_rad - self.state.course_rad);
+        let off_rad = wrap_pi(bearing_rad - state.course_rad);
         if off_rad.abs() > AHEAD_RAD && distance_m < 4.0 * lag_m.max(tightest_m) {
-            return self.state.course_rad;
+            return state.course_rad;
         }
         bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)
     }

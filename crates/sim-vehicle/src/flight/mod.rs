@@ -1,5 +1,6 @@
 //! How the vehicle flies: its modes and what feeds the three autopilot loops. Knows no MAVLink.
 
+mod air;
 mod circle;
 mod ground;
 mod guidance;
@@ -12,6 +13,7 @@ pub(crate) use guidance::RallyPlace;
 pub(crate) use tuning::{TAKEOFF_ALTITUDE_M, TAKEOFF_TOLERANCE_M, Tuning};
 
 use crate::{Mode, VehicleSettings};
+use air::Air;
 use flight_model::{Autopilot, Dynamics, Setpoint, State, wrap_pi};
 use ground::Contact;
 use guidance::Direction;
@@ -28,7 +30,7 @@ pub(crate) struct Flight {
     tuning: Tuning,
     start: State,
     state: State,
-    previous_course_rad: f64,
+    air: Air,
     mode: Mode,
     armed: bool,
     /// Whether the engine would run if it were armed.
@@ -39,7 +41,9 @@ pub(crate) struct Flight {
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: (f64, f64),
     rally: Option<RallyPlace>,
+    /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
+    speed_is_over_ground: bool,
     altitude: Ramp,
     direction: Direction,
 }
@@ -91,7 +95,7 @@ impl Flight {
             lateral_limit_mps2: f64::INFINITY,
             start,
             state: State { speed_mps: 0.0, climb_mps: 0.0, ..start },
-            previous_course_rad: start.course_rad,
+            air: Air::at(&start),
             mode: settings.mode,
             armed: false,
             engine_works: true,
@@ -101,6 +105,7 @@ impl Flight {
             guided_point: (start.x_m, start.y_m),
             rally: None,
             speed: Ramp::at(start.speed_mps),
+            speed_is_over_ground: false,
             altitude: Ramp::at(start.altitude_m),
             direction: Direction::Course(start.course_rad),
         };
@@ -129,11 +134,6 @@ impl Flight {
 
     pub fn limits(&self) -> &flight_model::Limits {
         &self.dynamics.limits
-    }
-
-    /// Rate of turn over the last step, rad/s.
-    pub fn course_rate_radps(&self) -> f64 {
-        wrap_pi(self.state.course_rad - self.previous_course_rad) / self.autopilot.step_s()
     }
 
     /// The setpoint that the next step starts from, as far as it is known before it.
@@ -215,10 +215,9 @@ impl Flight {
         }
         if !self.is_engine_running() {
             setpoint.speed_mps = self.dynamics.limits.speed_min_mps;
-            setpoint.altitude_m = self.altitude_to_climb_at(-self.state.speed_mps / GLIDE_RATIO);
+            setpoint.altitude_m = self.altitude_to_climb_at(-self.airspeed_mps() / GLIDE_RATIO);
         }
-        self.previous_course_rad = self.state.course_rad;
-        self.state = self.autopilot.step(&self.state, &setpoint);
+        self.fly(&setpoint);
         self.touch_down()
     }
 
@@ -259,9 +258,10 @@ impl Flight {
         }
     }
 
-    /// Speed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
+    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
     pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
-        let value = if acceleration_mps2.is_finite() { self.when_released().speed_mps } else { speed_mps };
+        let value = if acceleration_mps2.is_finite() { self.airspeed_when_released_mps() } else { speed_mps };
+        self.speed_is_over_ground = false;
         self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
     }
 
@@ -337,10 +337,15 @@ impl Flight {
         }
     }
 
+    fn airspeed_when_released_mps(&self) -> f64 {
+        if self.contact == Contact::Air { self.airspeed_mps() } else { self.start.speed_mps }
+    }
+
     /// Every mode begins by holding what the vehicle does.
     fn enter(&mut self, mode: Mode) {
         let now = self.when_released();
-        self.speed = Ramp::at(now.speed_mps);
+        self.speed = Ramp::at(self.airspeed_when_released_mps());
+        self.speed_is_over_ground = false;
         self.altitude = Ramp::at(now.altitude_m);
         self.set_course(now.course_rad, f64::INFINITY);
         let here = (now.x_m, now.y_m);

@@ -52,7 +52,7 @@ fn a_lateral_limit_is_a_ramp_then_the_closed_form() {
     let end = fly(&mut flight, 3.0);
     let expected = 1.3 - 0.375 * libm::exp(-(3.0 - 1.25) / 0.75);
     assert!((end.course_rad - expected).abs() < 1e-9);
-    assert!((flight.course_rate_radps() - 0.5 * libm::exp(-1.75 / 0.75)).abs() < 0.01);
+    assert!((flight.turn_rate_radps() - 0.5 * libm::exp(-1.75 / 0.75)).abs() < 0.01);
 }
 
 #[test]

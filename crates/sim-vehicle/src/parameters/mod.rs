@@ -2,11 +2,13 @@
 //!
 //! Every one of them acts; what this flight model has no meaning for is not in the list.
 
+mod check;
 pub(crate) mod file;
 mod pace;
 mod service;
 mod table;
 
+pub use check::{ParameterFault, check_parameters};
 pub(crate) use pace::Pace;
 pub(crate) use service::Listings;
 pub(crate) use table::{Effect, Parameter};
@@ -39,6 +41,8 @@ pub(crate) struct Parameters {
     values: [f32; Parameter::COUNT],
     /// Whether somebody has set it: then it is worth keeping.
     is_set: [bool; Parameter::COUNT],
+    /// Whether it was set before the start, and not since: then the settings keep it.
+    is_default: [bool; Parameter::COUNT],
     speed_limits_mps: (f32, f32),
     roll_limit_deg: f32,
     rate_max_hz: f32,
@@ -57,6 +61,7 @@ impl Parameters {
             list: settings.personality.parameters(),
             values,
             is_set: [false; Parameter::COUNT],
+            is_default: [false; Parameter::COUNT],
             speed_limits_mps: (limits.speed_min_mps as f32, limits.speed_max_mps as f32),
             roll_limit_deg: Self::roll_limit_deg(settings),
             rate_max_hz: settings.fastest_hz().floor() as f32,
@@ -122,13 +127,20 @@ impl Parameters {
         }
         self.values[parameter as usize] = value;
         self.is_set[parameter as usize] = true;
+        self.is_default[parameter as usize] = false;
         Ok(())
     }
 
-    /// What has been set, by name.
+    /// Takes what has been set so far for defaults, which act and are not kept.
+    pub fn make_defaults(&mut self) {
+        self.is_default = self.is_set;
+    }
+
+    /// What has been set and is worth keeping, by name.
     pub fn kept(&self) -> impl Iterator<Item = (&'static str, f32)> {
-        let set = Parameter::ALL.iter().copied().filter(|parameter| self.is_set[*parameter as usize]);
-        set.map(|parameter| (self.name(parameter), self.get(parameter)))
+        let is_kept = |parameter: Parameter| self.is_set[parameter as usize] && !self.is_default[parameter as usize];
+        let kept = Parameter::ALL.iter().copied().filter(move |parameter| is_kept(*parameter));
+        kept.map(|parameter| (self.name(parameter), self.get(parameter)))
     }
 
     /// What the parameters make of the flight; what nobody has set stays as the settings have it, to the last bit.
@@ -235,6 +247,17 @@ mod tests {
             assert_eq!(parameters.named(other), None);
         }
         assert_eq!(self::parameters().named("COM_OF_LOSS_T"), None);
+    }
+
+    #[test]
+    fn what_is_set_before_the_start_acts_and_is_not_kept() {
+        let mut parameters = parameters();
+        parameters.set(Parameter::LoiterRadius, 80.0).unwrap();
+        parameters.set(Parameter::RtlRadius, 70.0).unwrap();
+        parameters.make_defaults();
+        assert_eq!(parameters.tuning(&VehicleSettings::default()).loiter_radius_m, 80.0);
+        parameters.set(Parameter::RtlRadius, 75.0).unwrap();
+        assert_eq!(parameters.kept().collect::<Vec<_>>(), [("RTL_RADIUS", 75.0)]);
     }
 
     #[test]

@@ -98,6 +98,8 @@ impl Vehicle {
             }
             Effect::Rates(streams) => self.set_rates(streams, value),
             Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
+            Effect::RadioLoss => self.links.set_loss(f64::from(value) / 100.0),
+            Effect::Battery => self.life.battery.replace(),
             Effect::Fence => self.reconfigure_fence(parameter),
             Effect::LookedUp | Effect::ReadOnly => {}
         }
@@ -117,7 +119,7 @@ impl Vehicle {
             Ok(()) => {
                 let after = self.settings.system_id;
                 self.links.set_system_id(before);
-                self.links.send_all(&self.parameter_message(parameter, None));
+                self.tell_parameter(parameter);
                 self.links.set_system_id(after);
             }
             Err(refused) => {
@@ -144,16 +146,26 @@ impl Vehicle {
         self.links.send(link, &message);
     }
 
-    fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
-        let value = match parameter {
+    /// What it is now.
+    pub(crate) fn parameter_value(&self, parameter: Parameter) -> f32 {
+        match parameter {
             Parameter::RunTime => self.time.as_secs() as f32,
+            Parameter::MissionTotal => self.mission.items.len() as f32,
             Parameter::FenceTotal => self.fence.total() as f32,
             Parameter::RallyTotal => self.rally.items.len() as f32,
             other => self.parameters.get(other),
-        };
+        }
+    }
+
+    /// Tells everybody what it is.
+    pub(crate) fn tell_parameter(&mut self, parameter: Parameter) {
+        self.links.send_all(&self.parameter_message(parameter, None));
+    }
+
+    fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
+        let value = self.parameters.to_wire(parameter, self.parameter_value(parameter));
         let (name, kind) = (self.parameters.name(parameter), self.parameters.kind(parameter));
-        let count = self.parameters.list().len() as u16;
-        parameter_value(name, kind, self.parameters.to_wire(parameter, value), count, index)
+        parameter_value(name, kind, value, self.parameters.list().len() as u16, index)
     }
 
     fn refuse_unknown(&mut self, link: usize, sender: Target, name: &str) {

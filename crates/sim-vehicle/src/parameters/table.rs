@@ -36,6 +36,10 @@ pub(crate) enum Effect {
     Rates(&'static [Stream]),
     /// Who the vehicle is.
     SystemId,
+    /// Percentage of frames that are lost on their way out.
+    RadioLoss,
+    /// Another battery is put in.
+    Battery,
     /// Which fences are enabled.
     Fence,
 }
@@ -63,6 +67,8 @@ parameters! {
     SystemId: "MAV_SYSID", INT16, |s| f32::from(s.system_id), |_| (1.0, 250.0), Effect::SystemId;
     GroundSystemId: "MAV_GCS_SYSID", INT16, |_| 255.0, |_| (1.0, 255.0), Effect::LookedUp;
 
+    RateRawSensors: "MAV1_RAW_SENS", INT16, |s| s.rates.raw_sensors_hz.round() as f32, Parameters::rates_hz,
+        Effect::Rates(&[Stream::RawImu, Stream::ScaledPressure]);
     RateExtendedStatus: "MAV1_EXT_STAT", INT16, |s| s.rates.sys_status_hz.round() as f32, Parameters::rates_hz,
         Effect::Rates(&[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent]);
     // Two messages are behind it, which the settings can tell apart.
@@ -74,7 +80,7 @@ parameters! {
     RateExtra2: "MAV1_EXTRA2", INT16, |s| s.rates.vfr_hud_hz.round() as f32, Parameters::rates_hz,
         Effect::Rates(&[Stream::VfrHud]);
     RateExtra3: "MAV1_EXTRA3", INT16, |s| s.rates.system_time_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[Stream::SystemTime]);
+        Effect::Rates(&[Stream::SystemTime, Stream::Wind, Stream::BatteryStatus, Stream::EkfStatusReport]);
 
     AirspeedCruise: "AIRSPEED_CRUISE", REAL, |s| s.start.speed_mps as f32,
         |p| (p.get(Parameter::AirspeedMin), p.get(Parameter::AirspeedMax)), Effect::Tuning;
@@ -95,10 +101,47 @@ parameters! {
     RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
     DisarmDelay: "LAND_DISARMDELAY", INT8, |s| if s.personality == Personality::Px4 { 2.0 } else { 20.0 }, |_| (0.0, 127.0), Effect::LookedUp;
 
-    GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
+    GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;
     LongFailsafeAction: "FS_LONG_ACTN", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     LongFailsafeTimeout: "FS_LONG_TIMEOUT", REAL, |_| 5.0, |_| (1.0, 300.0), Effect::LookedUp;
 
+    // ArduCopter's name: ArduPlane reckons on and has no action to choose.
+    DeadReckoningAction: "FS_DR_ENABLE", INT8, |_| 0.0, |_| (0.0, 2.0), Effect::LookedUp;
+
+    BatteryMonitor: "BATT_MONITOR", INT8, |_| 4.0, |_| (0.0, 4.0), Effect::LookedUp;
+    BatteryCapacity: "BATT_CAPACITY", INT32, |_| 3300.0, |_| (0.0, 1e6), Effect::LookedUp;
+    BatteryLowTimer: "BATT_LOW_TIMER", INT8, |_| 10.0, |_| (0.0, 120.0), Effect::LookedUp;
+    BatteryLowVoltage: "BATT_LOW_VOLT", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::LookedUp;
+    BatteryLowCharge: "BATT_LOW_MAH", REAL, |_| 0.0, |_| (0.0, 1e6), Effect::LookedUp;
+    BatteryCriticalVoltage: "BATT_CRT_VOLT", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::LookedUp;
+    BatteryCriticalCharge: "BATT_CRT_MAH", REAL, |_| 0.0, |_| (0.0, 1e6), Effect::LookedUp;
+    BatteryLowAction: "BATT_FS_LOW_ACT", INT8, |_| 0.0, |_| (0.0, 2.0), Effect::LookedUp;
+    BatteryCriticalAction: "BATT_FS_CRT_ACT", INT8, |_| 0.0, |_| (0.0, 2.0), Effect::LookedUp;
+
+    // The world: SIM_ parameters, at rest unless somebody sets them.
+    WindSpeed: "SIM_WIND_SPD", REAL, |_| 0.0, |_| (0.0, 60.0), Effect::LookedUp;
+    WindDirection: "SIM_WIND_DIR", REAL, |_| 180.0, |_| (-360.0, 360.0), Effect::LookedUp;
+    WindGusts: "SIM_WIND_TURB", REAL, |_| 0.0, |_| (0.0, 20.0), Effect::LookedUp;
+    WindTimeConstant: "SIM_WIND_TC", REAL, |_| 5.0, |_| (0.0, 600.0), Effect::LookedUp;
+    GpsFail: "SIM_GPS_FAIL", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    GpsEnabled: "SIM_GPS1_ENABLE", INT8, |_| 1.0, |_| (0.0, 1.0), Effect::LookedUp;
+    GpsLag: "SIM_GPS1_LAG_MS", INT16, |_| 0.0, |_| (0.0, 2000.0), Effect::LookedUp;
+    GpsNoise: "SIM_GPS1_NOISE", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    GpsSatellites: "SIM_GPS1_NUMSATS", INT8, |_| 10.0, |_| (0.0, 40.0), Effect::LookedUp;
+    RadioLoss: "SIM_UART_LOSS", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::RadioLoss;
+    SimBatteryVoltage: "SIM_BATT_VOLTAGE", REAL, |_| 12.6, |_| (0.0, 100.0), Effect::LookedUp;
+    SimBatteryCapacity: "SIM_BATT_CAP_AH", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::Battery;
+    BarometerNoise: "SIM_BARO_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    BarometerDrift: "SIM_BARO_DRIFT", REAL, |_| 0.0, |_| (-10.0, 10.0), Effect::LookedUp;
+    PitotNoise: "SIM_ARSPD_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    PitotFail: "SIM_ARSPD_FAIL", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::LookedUp;
+    AccelerometerNoise: "SIM_ACC1_RND", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::LookedUp;
+    AccelerometerBiasX: "SIM_ACC1_BIAS_X", REAL, |_| 0.0, |_| (-20.0, 20.0), Effect::LookedUp;
+    AccelerometerBiasY: "SIM_ACC1_BIAS_Y", REAL, |_| 0.0, |_| (-20.0, 20.0), Effect::LookedUp;
+    AccelerometerBiasZ: "SIM_ACC1_BIAS_Z", REAL, |_| 0.0, |_| (-20.0, 20.0), Effect::LookedUp;
+    GyroscopeNoise: "SIM_GYR1_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
+    CompassNoise: "SIM_MAG_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
     FenceEnable: "FENCE_ENABLE", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::Fence;
     FenceType: "FENCE_TYPE", INT8, |_| 4.0, |_| (0.0, 15.0), Effect::Fence;
     FenceAction: "FENCE_ACTION", INT8, |_| 1.0, |_| (0.0, 8.0), Effect::LookedUp;
@@ -111,6 +154,7 @@ parameters! {
     FenceReturnAltitude: "FENCE_RET_ALT", INT16, |_| 0.0, |_| (0.0, f32::from(i16::MAX)), Effect::LookedUp;
     FenceAutoEnable: "FENCE_AUTOENABLE", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::Fence;
     FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 3.0), Effect::LookedUp;
+    MissionTotal: "MIS_TOTAL", INT16, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyLimit: "RALLY_LIMIT_KM", REAL, |_| 5.0, |_| (0.0, 1000.0), Effect::LookedUp;
     RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;

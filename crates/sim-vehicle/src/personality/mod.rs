@@ -101,6 +101,22 @@ impl Personality {
         MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT | encoding
     }
 
+    /// The index of the first item of a mission that is flown: ArduPlane's item 0 is home.
+    pub(crate) fn first_mission_item(self) -> u16 {
+        match self {
+            Personality::ArduPlane => 1,
+            Personality::Px4 | Personality::Generic => 0,
+        }
+    }
+
+    /// What follows a mission.
+    pub(crate) fn mode_after_mission(self) -> Mode {
+        match self {
+            Personality::ArduPlane | Personality::Generic => Mode::Rtl,
+            Personality::Px4 => Mode::Loiter,
+        }
+    }
+
     /// What it sends unasked beside what the settings say.
     pub(crate) fn streams(self) -> &'static [(Stream, Duration)] {
         const UNASKED: &[(Stream, Duration)] =

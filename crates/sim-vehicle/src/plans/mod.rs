@@ -11,6 +11,7 @@ pub use file::PlanFileError;
 pub(crate) use upload::Uploads;
 
 use crate::mission::WAYPOINT;
+use crate::parameters::Parameter;
 use crate::streams::Stream;
 use crate::{Mode, SettingsError, Vehicle, fence, mission, rally};
 use mavlink_bridge::dialect::{
@@ -84,12 +85,22 @@ impl PlanKind {
         }
     }
 
+    /// The parameter that counts its items.
+    fn total(self) -> Parameter {
+        match self {
+            Self::Mission => Parameter::MissionTotal,
+            Self::Fence => Parameter::FenceTotal,
+            Self::Rally => Parameter::RallyTotal,
+        }
+    }
+
     /// Whether an item can be one of `count` in this plan; the result code that says why not.
-    pub fn check(self, seq: u16, item: &PlanItem, count: u16) -> Result<(), MavMissionResult> {
+    /// `first` is that of the items of a mission that are flown.
+    pub fn check(self, seq: u16, item: &PlanItem, count: u16, first: u16) -> Result<(), MavMissionResult> {
         match self {
             // Home is what it is.
-            Self::Mission if seq == 0 => Ok(()),
-            Self::Mission => mission::check(item, count),
+            Self::Mission if seq < first => Ok(()),
+            Self::Mission => mission::check(item, first..count),
             Self::Fence => fence::check(item),
             Self::Rally => rally::check(item),
         }
@@ -125,11 +136,12 @@ impl Vehicle {
     pub(crate) fn restore_plans(&mut self, mut plans: Plans) -> Result<(), SettingsError> {
         for kind in PlanKind::ALL {
             let items = plans.take(kind);
-            check_items(kind, &items).map_err(|(_, reason)| SettingsError::Plan(reason))?;
+            check_items(kind, &items, self.mission.first).map_err(|(_, reason)| SettingsError::Plan(reason))?;
             let refused = |reason| SettingsError::Plan(format!("{} refused: {reason}", kind.name()));
             self.replace_plan(kind, items, true).map_err(refused)?;
         }
         self.plans_changed = Default::default();
+        self.plan_totals = PlanKind::ALL.map(|kind| self.parameter_value(kind.total()));
         Ok(())
     }
 
@@ -169,12 +181,11 @@ impl Vehicle {
     fn serve_all_plans(&mut self, link: usize, to: Target, message: PlanMessage) {
         let result = match message {
             PlanMessage::ClearAll => {
-                if PlanKind::ALL.into_iter().any(|kind| self.is_uploaded_by_another(link, to, kind)) {
-                    MavMissionResult::MAV_MISSION_DENIED
-                } else {
+                let against = PlanKind::ALL.into_iter().find_map(|kind| self.against_clearing(link, to, kind));
+                if against.is_none() {
                     PlanKind::ALL.into_iter().for_each(|kind| self.empty_plan(kind));
-                    MavMissionResult::MAV_MISSION_ACCEPTED
                 }
+                against.unwrap_or(MavMissionResult::MAV_MISSION_ACCEPTED)
             }
             // An acknowledgement is not answered.
             PlanMessage::Ack(_) => return,
@@ -184,12 +195,13 @@ impl Vehicle {
             self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal("Plan", result));
         }
         self.send_plan_ack(link, to, MavMissionType::MAV_MISSION_TYPE_ALL, result);
+        self.tell_totals();
     }
 
     /// An item outside a mission, as clients steered before there were commands for it: fly there now, or only climb.
     fn fly_to_item(&mut self, link: usize, sender: Target, item: &PlanItem, there: bool) {
         let kind = PlanKind::Mission;
-        if let Err(result) = mission::check(item, 0) {
+        if let Err(result) = mission::check(item, 0..0) {
             self.refuse_plan(link, sender, kind, result);
         } else if self.mode() != Mode::Guided {
             self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Guided item: mode is {}", self.mode()));
@@ -214,7 +226,7 @@ impl Vehicle {
     }
 
     fn send_item(&mut self, link: usize, to: Target, kind: PlanKind, seq: u16, item_kind: ItemKind) {
-        let is_home = kind == PlanKind::Mission && seq == 0;
+        let is_home = kind == PlanKind::Mission && seq < self.mission.first;
         let item = if is_home { Some(self.home_item()) } else { self.plan(kind).get(usize::from(seq)).copied() };
         let Some(item) = item else {
             // ArduPilot tells how many there are.
@@ -252,6 +264,16 @@ impl Vehicle {
 
     fn acknowledge_plan(&mut self, link: usize, to: Target, kind: PlanKind, result: MavMissionResult) {
         self.send_plan_ack(link, to, kind.mission_type(), result);
+        self.tell_totals();
+    }
+
+    /// Everybody is told how many items there are, where that has changed.
+    fn tell_totals(&mut self) {
+        let now = PlanKind::ALL.map(|kind| self.parameter_value(kind.total()));
+        let before = std::mem::replace(&mut self.plan_totals, now);
+        for (kind, _) in PlanKind::ALL.into_iter().zip(before.into_iter().zip(now)).filter(|(_, (was, is))| was != is) {
+            self.tell_parameter(kind.total());
+        }
     }
 
     fn send_plan_ack(&mut self, link: usize, to: Target, mission_type: MavMissionType, result: MavMissionResult) {
@@ -268,14 +290,14 @@ impl Vehicle {
 }
 
 /// Whether items can be a plan; the index of the one that cannot, of the first too many or of their end, and why.
-fn check_items(kind: PlanKind, items: &[PlanItem]) -> Result<(), (usize, String)> {
+fn check_items(kind: PlanKind, items: &[PlanItem], first: u16) -> Result<(), (usize, String)> {
     let count = u16::try_from(items.len()).unwrap_or(u16::MAX);
     if count > kind.items_max() {
         let most = kind.items_max();
         return Err((usize::from(most), format!("{} refused: more than {most} items", kind.name())));
     }
     for (seq, item) in (0..count).zip(items) {
-        kind.check(seq, item, count)
+        kind.check(seq, item, count, first)
             .map_err(|result| (usize::from(seq), format!("{}: item {seq}", refusal(kind.name(), result))))?;
     }
     if kind == PlanKind::Fence {

@@ -4,7 +4,7 @@
 #![allow(deprecated)]
 
 use super::PlanKind;
-use crate::{PeerId, Vehicle};
+use crate::{Mode, PeerId, Vehicle};
 use mavlink_bridge::dialect::{MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavMissionResult, MavSeverity, Message};
 use mavlink_bridge::{PlanItem, Target, Version};
 use std::time::Duration;
@@ -105,7 +105,7 @@ impl Vehicle {
             self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
             self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_NO_SPACE);
         } else if count == 0 {
-            self.clear_plan(link, sender, kind);
+            self.accept_empty_plan(link, sender, kind);
         } else {
             self.ask_for_items(link, sender, kind, 0..count, count);
         }
@@ -147,7 +147,7 @@ impl Vehicle {
             // As in ArduPilot, the upload goes on with the item that was asked for.
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
         } else if seq == next {
-            if let Err(result) = kind.check(seq, &item, total) {
+            if let Err(result) = kind.check(seq, &item, total, self.mission.first) {
                 *self.uploads.of(kind) = None;
                 self.refuse_plan(link, sender, kind, result);
                 return;
@@ -164,12 +164,27 @@ impl Vehicle {
     }
 
     pub(super) fn clear_plan(&mut self, link: usize, sender: Target, kind: PlanKind) {
-        if self.is_uploaded_by_another(link, sender, kind) {
-            self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_DENIED);
-        } else {
-            self.empty_plan(kind);
-            self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
+        match self.against_clearing(link, sender, kind) {
+            Some(result) => self.refuse_plan(link, sender, kind, result),
+            None => self.accept_empty_plan(link, sender, kind),
         }
+    }
+
+    /// Why a plan may not be cleared, if so: another one uploads it, or it is a mission that is flown.
+    pub(super) fn against_clearing(&mut self, link: usize, sender: Target, kind: PlanKind) -> Option<MavMissionResult> {
+        if self.is_uploaded_by_another(link, sender, kind) {
+            Some(MavMissionResult::MAV_MISSION_DENIED)
+        } else if kind == PlanKind::Mission && self.mode() == Mode::Auto && self.is_armed() {
+            self.say(MavSeverity::MAV_SEVERITY_WARNING, "Mission: it is flown");
+            Some(MavMissionResult::MAV_MISSION_ERROR)
+        } else {
+            None
+        }
+    }
+
+    fn accept_empty_plan(&mut self, link: usize, sender: Target, kind: PlanKind) {
+        self.empty_plan(kind);
+        self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
     }
 
     pub(super) fn empty_plan(&mut self, kind: PlanKind) {
@@ -178,11 +193,13 @@ impl Vehicle {
         let _ = self.replace_plan(kind, Vec::new(), true);
     }
 
-    /// Who uploads may break it off.
+    /// Who uploads may break it off; the answer is the one that comes when nothing does.
     pub(super) fn hear_plan_ack(&mut self, link: usize, sender: Target, kind: PlanKind, result: u8) {
         let is_broken_off = result != MavMissionResult::MAV_MISSION_ACCEPTED as u8;
-        if is_broken_off && !self.is_uploaded_by_another(link, sender, kind) {
+        let is_under_way = self.uploads.of(kind).as_ref().is_some_and(|upload| !upload.is_complete());
+        if is_broken_off && is_under_way && !self.is_uploaded_by_another(link, sender, kind) {
             *self.uploads.of(kind) = None;
+            self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_OPERATION_CANCELLED);
         }
     }
 

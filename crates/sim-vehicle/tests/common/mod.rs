@@ -2,10 +2,10 @@
 #![allow(dead_code)]
 
 use mavlink_bridge::dialect::{
-    COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, LOCAL_POSITION_NED_DATA, MavCmd, MavFrame, MavResult,
-    Message,
+    COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, LOCAL_POSITION_NED_DATA, MavCmd, MavFrame, MavParamType,
+    MavResult, Message, PARAM_SET_DATA,
 };
-use mavlink_bridge::{Counters, Encoder, Frame, frames};
+use mavlink_bridge::{Counters, Encoder, Frame, FrameError, frames};
 use sim_vehicle::{PeerId, TelemetryRates, Vehicle, VehicleSettings};
 use std::time::Duration;
 
@@ -96,9 +96,24 @@ pub fn long(target_system: u8, command: MavCmd, [param1, param2, param3]: [f32; 
     })
 }
 
+pub fn set_parameter(name: &str, value: f32) -> Message {
+    Message::PARAM_SET(PARAM_SET_DATA {
+        param_value: value,
+        target_system: TARGET,
+        target_component: 1,
+        param_id: name.into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+    })
+}
+
 pub fn decode(datagram: &[u8]) -> Vec<Message> {
     let mut counters = Counters::default();
-    let messages = frames(datagram, &mut counters).map(|frame: Frame<'_>| frame.message().unwrap()).collect();
+    let read = |frame: Frame<'_>| match frame.message() {
+        // Of ArduPilot's own dialect.
+        Err(FrameError::UnknownMessage(_)) => None,
+        message => Some(message.unwrap()),
+    };
+    let messages = frames(datagram, &mut counters).filter_map(read).collect();
     assert_eq!((counters.bad_checksum, counters.malformed_bytes, counters.unknown_message), (0, 0, 0));
     messages
 }

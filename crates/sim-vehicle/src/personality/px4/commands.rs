@@ -4,7 +4,7 @@
 //! what is refused.
 
 use super::{MODES, SELECTABLE, mode_name};
-use crate::commands::{Command, Refusal, check_finite, integer};
+use crate::commands::{Command, Refusal, angle_rad, check_finite, integer};
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};
 use mavlink_bridge::dialect::{MavCmd, MavModeFlag, MavResult, MavSeverity};
@@ -204,7 +204,7 @@ impl Vehicle {
         if kind.round() != 0.0 {
             return Err(Refusal::denied("Heading: only a course can be set"));
         }
-        self.flight.set_course(flight_model::wrap_pi(f64::from(course_deg).to_radians()), f64::INFINITY);
+        self.flight.set_course(angle_rad(course_deg), f64::INFINITY);
         Ok(())
     }
 

@@ -1,4 +1,11 @@
-//! What the vehicle does by itself when nobody leads it any more.
+//! What the vehicle does by itself when something is missing: setpoints, its ground station, charge, a GPS. Each is said
+//! aloud when it begins and when it ends.
+
+mod battery;
+mod gps;
+mod weather;
+
+pub(crate) use battery::{BatteryLevel, BatteryWatch};
 
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};
@@ -14,11 +21,28 @@ pub(crate) struct Failsafes {
     /// The ground station's last heartbeat; none before the first, which nobody waits for.
     ground_heard: Option<Duration>,
     pub ground_lost: bool,
+    pub battery: BatteryWatch,
+    pub gps_lost: bool,
+    /// Whether the wind is stronger than the airspeed: said, but no failsafe.
+    pub is_blown_away: bool,
 }
 
 impl Failsafes {
     pub fn new() -> Self {
-        Self { setpoints_until: Duration::MAX, setpoints_lost: false, ground_heard: None, ground_lost: false }
+        Self {
+            setpoints_until: Duration::MAX,
+            setpoints_lost: false,
+            ground_heard: None,
+            ground_lost: false,
+            battery: BatteryWatch::default(),
+            gps_lost: false,
+            is_blown_away: false,
+        }
+    }
+
+    /// Whether any of them acts.
+    pub fn is_any(&self) -> bool {
+        self.setpoints_lost || self.ground_lost || self.gps_lost || self.battery.level() != BatteryLevel::Ok
     }
 }
 
@@ -35,6 +59,9 @@ impl Vehicle {
         if self.parameters.get(Parameter::GroundFailsafe) != 0.0 {
             self.check_ground();
         }
+        self.check_battery();
+        self.check_gps();
+        self.check_wind();
     }
 
     /// The time-out runs while the vehicle flies in GUIDED.
@@ -62,7 +89,14 @@ impl Vehicle {
     }
 
     fn check_ground(&mut self) {
+        const ONLY_IN_AUTO: f32 = 3.0;
         let timeout_s = self.parameters.get(Parameter::LongFailsafeTimeout);
+        if self.parameters.get(Parameter::GroundFailsafe) == ONLY_IN_AUTO
+            && self.mode() != Mode::Auto
+            && !self.failsafes.ground_lost
+        {
+            return;
+        }
         let silent = |heard: Duration| self.time.saturating_sub(heard).as_secs_f32() > timeout_s;
         let is_lost = self.flight.is_armed() && self.failsafes.ground_heard.is_some_and(silent);
         if !is_lost || self.failsafes.ground_lost {
@@ -70,8 +104,9 @@ impl Vehicle {
         }
         self.failsafes.ground_lost = true;
         self.counters.failsafes += 1;
-        // By default ArduPlane goes on in GUIDED and AUTO, with what it was told last.
-        if self.parameters.get(Parameter::LongFailsafeAction) != 0.0 {
+        // By default ArduPlane goes on in GUIDED and AUTO, with what it was told last, and in no other mode.
+        let goes_on = matches!(self.mode(), Mode::Guided | Mode::Auto | Mode::Rtl);
+        if self.parameters.get(Parameter::LongFailsafeAction) != 0.0 || !goes_on {
             self.set_mode(Mode::Rtl);
         }
         let text = format!("GCS Failsafe On: switched to {}", self.mode());

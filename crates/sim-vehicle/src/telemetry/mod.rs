@@ -1,17 +1,21 @@
 //! What the vehicle says of itself.
 
+mod sensors;
+
+use crate::failsafe::BatteryLevel;
 use crate::fence::FenceReport;
 use crate::flight::Flight;
+use crate::life::{GpsSettings, Life, Readings, SensorSettings, tick};
 use crate::mission::{Mission, Progress};
+use crate::parameters::{Parameter, Parameters};
 use crate::streams::Stream;
 use crate::{Mode, Personality};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    BATTERY_STATUS_DATA, FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavBatteryFault, MavLandedState,
-    MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
-    SYS_STATUS_DATA,
+    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavLandedState, MavProtocolCapability, MavState,
+    MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
 };
-use mavlink_bridge::{local_position_ned, telemetry};
+use mavlink_bridge::{ArduPilotMessage, local_position_ned, telemetry};
 use std::time::Duration;
 
 /// Everything that the messages are made of, at one moment.
@@ -26,6 +30,9 @@ pub(crate) struct Instruments<'a> {
     pub failsafe: bool,
     /// Whether it is armed, or nothing stands against it.
     pub is_armable: bool,
+    pub life: &'a Life,
+    pub parameters: &'a Parameters,
+    pub battery_level: BatteryLevel,
     pub fence: FenceReport,
     pub clock_epoch_us: u64,
 }
@@ -37,7 +44,7 @@ impl Instruments<'_> {
     }
 
     pub fn message(&self, stream: Stream) -> Message {
-        let (time, state) = (self.time, self.flight.state());
+        let (time, state) = (self.time, &self.flight.estimate());
         let origin = self.frame.origin();
         match stream {
             Stream::Heartbeat => telemetry::heartbeat(
@@ -52,26 +59,42 @@ impl Instruments<'_> {
                 telemetry::system_time(time, Duration::from_micros(self.clock_epoch_us).saturating_add(time))
             }
             Stream::Attitude => {
-                // A coordinated turn: the lift's horizontal part is the centripetal force.
-                let yaw_rate_radps = self.flight.course_rate_radps();
-                let gravity_mps2 = self.flight.limits().gravity_mps2;
-                let roll_rad = libm::atan(state.speed_mps * yaw_rate_radps / gravity_mps2);
-                telemetry::attitude(time, state, roll_rad, yaw_rate_radps)
+                let flight = self.flight;
+                telemetry::attitude(time, &flight.in_air(), flight.roll_rad(), flight.turn_rate_radps())
             }
             Stream::LocalPositionNed => local_position_ned(time, state),
             Stream::GlobalPositionInt => {
-                telemetry::global_position_int(time, state, self.frame, self.flight.home().altitude_m)
+                let home_altitude_m = self.flight.home().altitude_m;
+                telemetry::global_position_int(time, state, self.flight.heading_rad(), self.frame, home_altitude_m)
             }
             Stream::VfrHud => {
                 // Throttle is the share of the top speed that is flown.
-                let share = state.speed_mps / self.flight.limits().speed_max_mps;
-                let throttle_percent = if self.flight.is_engine_running() { (100.0 * share).round() as u16 } else { 0 };
-                telemetry::vfr_hud(state, origin.altitude_amsl_m + state.altitude_m, throttle_percent)
+                let top_mps = self.flight.limits().speed_max_mps;
+                let share = if self.flight.is_engine_running() { self.flight.airspeed_mps() / top_mps } else { 0.0 };
+                let throttle_percent = (100.0 * share).round() as u16;
+                let airspeed_mps = self.readings().airspeed_mps;
+                let altitude_m = origin.altitude_amsl_m + state.altitude_m;
+                telemetry::vfr_hud(state, airspeed_mps, self.flight.heading_rad(), altitude_m, throttle_percent)
             }
-            Stream::GpsRawInt => telemetry::gps_raw_int(time, state, self.frame),
+            Stream::GpsRawInt => {
+                let settings = GpsSettings::of(self.parameters);
+                let measured = self.life.gps.measure(&settings, self.flight.state(), &self.life.noise, tick(time));
+                telemetry::gps_raw_int(time, &measured, self.frame, settings.has_fix(), settings.satellites())
+            }
+            Stream::RawImu => sensors::raw_imu(time, &self.readings(), self.gravity_mps2()),
+            Stream::ScaledImu => sensors::scaled_imu(time, &self.readings(), self.gravity_mps2()),
+            Stream::ScaledPressure => sensors::scaled_pressure(time, &self.readings()),
+            Stream::HighresImu => sensors::highres_imu(time, &self.readings()),
+            // Of ArduPilot's own dialect: see ardupilot_message.
+            Stream::Wind | Stream::WindCov | Stream::EkfStatusReport => telemetry::wind_cov(
+                time,
+                &self.life.weather.estimate(),
+                f64::from(self.parameters.get(Parameter::WindGusts)),
+                origin.altitude_amsl_m + state.altitude_m,
+            ),
             Stream::MissionCurrent => self.mission_current(),
+            Stream::BatteryStatus => self.battery_status(),
             Stream::FenceStatus => self.fence_status(),
-            Stream::BatteryStatus => unknown_battery(),
             Stream::ExtendedSysState => telemetry::extended_sys_state(self.landed_state()),
             Stream::AutopilotVersion => {
                 let capabilities = capabilities() | self.personality.capabilities();
@@ -112,6 +135,41 @@ impl Instruments<'_> {
         }
     }
 
+    /// What a stream says in a message of ArduPilot's own dialect; none if it is of the common one.
+    pub fn ardupilot_message(&self, stream: Stream) -> Option<ArduPilotMessage> {
+        match stream {
+            Stream::Wind => Some(mavlink_bridge::wind(&self.life.weather.estimate())),
+            Stream::EkfStatusReport => Some(mavlink_bridge::ekf_status_report(self.estimator_flags())),
+            _ => None,
+        }
+    }
+
+    /// EKF_STATUS_FLAGS: ArduPlane's 831 with a GPS. Reckoning on without one, the place is not absolute any more.
+    fn estimator_flags(&self) -> u16 {
+        const ALL: u16 = 831;
+        const ABSOLUTE_PLACE: u16 = 16 + 512;
+        if self.has_fix() { ALL } else { ALL & !ABSOLUTE_PLACE }
+    }
+
+    fn has_fix(&self) -> bool {
+        GpsSettings::of(self.parameters).has_fix()
+    }
+
+    fn gravity_mps2(&self) -> f64 {
+        self.flight.limits().gravity_mps2
+    }
+
+    fn readings(&self) -> Readings {
+        Readings::take(
+            self.flight,
+            &SensorSettings::of(self.parameters),
+            &self.life.noise,
+            tick(self.time),
+            self.life.barometer_drift_m,
+            self.frame.origin().altitude_amsl_m,
+        )
+    }
+
     fn mission_current(&self) -> Message {
         let is_flown = self.flight.mode() == Mode::Auto;
         let mission_state = if !self.mission.is_flyable() {
@@ -126,7 +184,7 @@ impl Instruments<'_> {
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
             seq: self.progress.current,
             // Home is not counted.
-            total: self.mission.len().saturating_sub(1),
+            total: self.mission.len().saturating_sub(self.mission.first),
             mission_state,
             mission_mode: if is_flown { 1 } else { 2 },
             ..MISSION_CURRENT_DATA::DEFAULT
@@ -165,27 +223,42 @@ impl Instruments<'_> {
             | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS
             | MavSysStatusSensor::MAV_SYS_STATUS_AHRS
             | MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
+        let battery = sensors::Charge::of(&self.life.battery, self.parameters);
+        let mut sensors = sensors;
+        sensors.set(MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, battery.is_some());
         // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
         let fence = |holds: bool| {
             let bit = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
             if holds { bit } else { MavSysStatusSensor::empty() }
         };
-        let mut healthy = sensors | fence(self.fence.breached == 0);
-        healthy.set(MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK, self.is_armable);
+        let mut health = sensors | fence(self.fence.breached == 0);
+        let pitot_is_whole = self.parameters.get(Parameter::PitotFail) == 0.0;
+        for (sensor, is_well) in [
+            (MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK, self.is_armable),
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS, self.has_fix()),
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE, pitot_is_whole),
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, self.battery_level == BatteryLevel::Ok),
+        ] {
+            health &= if is_well { health } else { !sensor };
+        }
         Message::SYS_STATUS(SYS_STATUS_DATA {
             onboard_control_sensors_present: sensors | fence(self.fence.is_present),
             onboard_control_sensors_enabled: sensors | fence(self.fence.is_active),
-            onboard_control_sensors_health: healthy,
-            // No battery is simulated: the values that mean "not known".
-            voltage_battery: u16::MAX,
-            current_battery: -1,
-            battery_remaining: -1,
+            onboard_control_sensors_health: health,
+            // The values that mean "not known", without a monitor.
+            voltage_battery: battery.map_or(u16::MAX, |battery| battery.millivolts()),
+            current_battery: battery.map_or(-1, |battery| battery.centiamperes()),
+            battery_remaining: battery.map_or(-1, |battery| battery.percent()),
             // The default of a bitmask is its first flag, not none.
             onboard_control_sensors_present_extended: MavSysStatusSensorExtended::empty(),
             onboard_control_sensors_enabled_extended: MavSysStatusSensorExtended::empty(),
             onboard_control_sensors_health_extended: MavSysStatusSensorExtended::empty(),
             ..SYS_STATUS_DATA::DEFAULT
         })
+    }
+
+    fn battery_status(&self) -> Message {
+        sensors::battery_status(sensors::Charge::of(&self.life.battery, self.parameters), self.battery_level)
     }
 }
 
@@ -200,33 +273,22 @@ fn capabilities() -> MavProtocolCapability {
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }
 
-/// No battery is simulated: the values that mean "not known".
-fn unknown_battery() -> Message {
-    Message::BATTERY_STATUS(BATTERY_STATUS_DATA {
-        current_consumed: -1,
-        energy_consumed: -1,
-        temperature: i16::MAX,
-        voltages: [u16::MAX; 10],
-        current_battery: -1,
-        battery_remaining: -1,
-        // The default of a bitmask is its first flag, not none.
-        fault_bitmask: MavBatteryFault::empty(),
-        ..BATTERY_STATUS_DATA::DEFAULT
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::VehicleSettings;
     use mavlink_bridge::dialect::DialectMessage;
 
-    fn message(flight: &Flight, stream: Stream) -> Message {
+    fn look<T>(flight: &Flight, at: impl FnOnce(&Instruments<'_>) -> T) -> T {
+        let parameters = Parameters::new(&VehicleSettings::default());
         let instruments = Instruments {
             time: Duration::ZERO,
+            life: &Life::new(&VehicleSettings::default(), &parameters),
+            parameters: &parameters,
+            battery_level: BatteryLevel::Ok,
             system_id: 1,
             personality: Personality::default(),
-            mission: &Mission::default(),
+            mission: &Mission::new(1),
             progress: &Progress::default(),
             flight,
             frame: &VehicleSettings::default().frame,
@@ -235,14 +297,20 @@ mod tests {
             fence: FenceReport::default(),
             clock_epoch_us: 7,
         };
-        instruments.message(stream)
+        at(&instruments)
+    }
+
+    fn message(flight: &Flight, stream: Stream) -> Message {
+        look(flight, |instruments| instruments.message(stream))
     }
 
     #[test]
     fn every_stream_makes_its_own_message() {
         let flight = Flight::new(&VehicleSettings::default());
         for stream in Stream::ALL {
-            assert_eq!(message(&flight, stream).message_id(), stream.message_id());
+            let foreign = look(&flight, |instruments| instruments.ardupilot_message(stream));
+            let id = foreign.map_or_else(|| message(&flight, stream).message_id(), |message| message.message_id());
+            assert_eq!(id, stream.message_id());
             assert_eq!(Stream::from_message_id(stream.message_id()), Some(stream));
         }
     }

@@ -1,0 +1,200 @@
+//! Air that moves: steady wind, the wind triangle, and a step of the autopilots in it.
+
+use crate::{Autopilot, Setpoint, State};
+
+/// Velocity of the air over ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wind {
+    /// Towards north, m/s.
+    pub north_mps: f64,
+    /// Towards east, m/s.
+    pub east_mps: f64,
+    /// Upwards, m/s.
+    pub up_mps: f64,
+}
+
+impl Wind {
+    /// Still air.
+    pub const CALM: Self = Self { north_mps: 0.0, east_mps: 0.0, up_mps: 0.0 };
+
+    /// A level wind of a speed in m/s, from a direction in rad (from north towards east), as weather reports say it.
+    pub fn from_direction(speed_mps: f64, from_rad: f64) -> Self {
+        let (sin, cos) = libm::sincos(from_rad);
+        Self { north_mps: -speed_mps * cos, east_mps: -speed_mps * sin, up_mps: 0.0 }
+    }
+
+    /// Its horizontal speed, m/s.
+    pub fn speed_mps(&self) -> f64 {
+        (self.north_mps * self.north_mps + self.east_mps * self.east_mps).sqrt()
+    }
+
+    /// Where it comes from, rad in [-pi, pi] from north towards east; 0 for still air.
+    pub fn direction_rad(&self) -> f64 {
+        // Adding zero turns -0 into 0, whose direction is north.
+        libm::atan2(0.0 - self.east_mps + 0.0, 0.0 - self.north_mps + 0.0)
+    }
+
+    /// Whether the air is still.
+    pub fn is_calm(&self) -> bool {
+        *self == Self::CALM
+    }
+
+    /// The heading that keeps a course over ground at an airspeed in m/s (the wind triangle). Where the wind across the
+    /// course is stronger than the airspeed no heading does: this is then the one that drifts least.
+    pub fn heading_rad(&self, course_rad: f64, airspeed_mps: f64) -> f64 {
+        let (sin, cos) = libm::sincos(course_rad);
+        let from_left_mps = self.east_mps * cos - self.north_mps * sin;
+        if from_left_mps == 0.0 {
+            return course_rad;
+        }
+        course_rad - libm::asin((from_left_mps / airspeed_mps.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0))
+    }
+
+    /// Whether some heading at an airspeed in m/s makes way over ground along a course.
+    pub fn lets_fly(&self, course_rad: f64, airspeed_mps: f64) -> bool {
+        let (sin, cos) = libm::sincos(course_rad);
+        let across_mps = self.east_mps * cos - self.north_mps * sin;
+        let along_mps = self.north_mps * cos + self.east_mps * sin;
+        let rest = airspeed_mps * airspeed_mps - across_mps * across_mps;
+        rest > 0.0 && along_mps + rest.sqrt() > 0.0
+    }
+
+    /// The airspeed (m/s) and heading (rad) that give a speed in m/s on a course over ground.
+    pub fn air_velocity(&self, speed_mps: f64, course_rad: f64) -> (f64, f64) {
+        let air = State { speed_mps, course_rad, ..State::default() }.in_air(self);
+        (air.speed_mps, air.course_rad)
+    }
+}
+
+impl State {
+    /// The same as the air sees it: airspeed and heading in the place of speed and course over ground. Without an
+    /// airspeed the heading is the course.
+    pub fn in_air(&self, wind: &Wind) -> State {
+        if wind.north_mps == 0.0 && wind.east_mps == 0.0 {
+            return *self;
+        }
+        let (north_mps, east_mps) = self.velocity_mps();
+        self.with_velocity(north_mps - wind.north_mps, east_mps - wind.east_mps)
+    }
+
+    /// What [`in_air`](Self::in_air) of the same wind makes this: speed and course over ground from airspeed and heading.
+    pub fn over_ground(&self, wind: &Wind) -> State {
+        self.in_air(&Wind { north_mps: -wind.north_mps, east_mps: -wind.east_mps, up_mps: -wind.up_mps })
+    }
+
+    fn with_velocity(&self, north_mps: f64, east_mps: f64) -> State {
+        let speed_mps = (north_mps * north_mps + east_mps * east_mps).sqrt();
+        let course_rad =
+            if speed_mps > 0.0 { crate::wrap_pi(libm::atan2(east_mps, north_mps)) } else { self.course_rad };
+        State { speed_mps, course_rad, ..*self }
+    }
+}
+
+impl Autopilot {
+    /// The state one step later in air that moves with `wind` over the step. The setpoint's speed is an airspeed and its
+    /// course a heading: the loops and limits of Eq. 1 and 3 act in the air, which carries the vehicle along. When the wind
+    /// changes from one step to the next the speed over ground does not: the airspeed does.
+    ///
+    /// In still air this is [`step`](Self::step), to the last bit. The wind's vertical part is not felt here.
+    pub fn step_in_wind(&self, state: &State, setpoint: &Setpoint, wind: &Wind) -> State {
+        if wind.north_mps == 0.0 && wind.east_mps == 0.0 {
+            return self.step(state, setpoint);
+        }
+        let next = self.step(&state.in_air(wind), setpoint).over_ground(wind);
+        State { x_m: next.x_m + self.step_s() * wind.north_mps, y_m: next.y_m + self.step_s() * wind.east_mps, ..next }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Dynamics, wrap_pi};
+    use proptest::prelude::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn cruise(course_rad: f64) -> State {
+        State { altitude_m: 50.0, speed_mps: 10.0, course_rad, ..State::default() }
+    }
+
+    /// Flies a course over ground at an airspeed, with the heading of the triangle at each step.
+    fn fly(mut state: State, course_rad: f64, airspeed_mps: f64, wind: &Wind, seconds: usize) -> State {
+        let autopilot = Autopilot::new(&Dynamics::default(), 0.01);
+        for _ in 0..100 * seconds {
+            let heading_rad = wind.heading_rad(course_rad, state.in_air(wind).speed_mps);
+            let setpoint = Setpoint { speed_mps: airspeed_mps, course_rad: heading_rad, altitude_m: 50.0 };
+            state = autopilot.step_in_wind(&state, &setpoint, wind);
+        }
+        state
+    }
+
+    #[test]
+    fn a_wind_is_named_after_where_it_comes_from() {
+        let west = Wind::from_direction(6.0, -FRAC_PI_2);
+        assert!(west.north_mps.abs() < 1e-12 && (west.east_mps - 6.0).abs() < 1e-12);
+        assert!((west.speed_mps() - 6.0).abs() < 1e-12);
+        assert!((west.direction_rad() + FRAC_PI_2).abs() < 1e-12);
+        assert_eq!(Wind::CALM.direction_rad(), 0.0);
+    }
+
+    #[test]
+    fn across_the_wind_it_crabs_and_keeps_its_course() {
+        let wind = Wind::from_direction(6.0, FRAC_PI_2);
+        let end = fly(cruise(0.0), 0.0, 10.0, &wind, 20);
+        assert!(end.course_rad.abs() < 1e-6, "{}", end.course_rad);
+        assert!((end.speed_mps - 8.0).abs() < 1e-6); // 6, 8, 10
+        let air = end.in_air(&wind);
+        assert!((air.speed_mps - 10.0).abs() < 1e-6 && (air.course_rad - libm::asin(0.6)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn with_and_against_the_wind_the_speeds_add_up() {
+        let wind = Wind::from_direction(4.0, 0.0);
+        assert!((fly(cruise(0.0), 0.0, 10.0, &wind, 20).speed_mps - 6.0).abs() < 1e-6);
+        assert!((fly(cruise(PI), PI, 10.0, &wind, 20).speed_mps - 14.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_wind_too_strong_carries_it_away_and_stays_finite() {
+        let wind = Wind::from_direction(20.0, 0.0);
+        assert!(!wind.lets_fly(0.0, 10.0) && !wind.lets_fly(FRAC_PI_2, 10.0) && wind.lets_fly(PI, 10.0));
+        let end = fly(cruise(0.0), 0.0, 10.0, &wind, 60);
+        assert!(end.is_finite());
+        assert!((end.speed_mps - 10.0).abs() < 1e-6 && (end.course_rad.abs() - PI).abs() < 1e-6);
+        assert!(end.x_m < -400.0);
+    }
+
+    proptest! {
+        #[test]
+        fn the_triangle_closes(
+            course in -3.1..3.1f64, airspeed in 5.0..15.0f64, speed in 0.0..4.9f64, from in -3.1..3.1f64,
+        ) {
+            let wind = Wind::from_direction(speed, from);
+            prop_assert!(wind.lets_fly(course, airspeed));
+            let heading_rad = wind.heading_rad(course, airspeed);
+            let (sin, cos) = libm::sincos(heading_rad);
+            let (north, east) = (airspeed * cos + wind.north_mps, airspeed * sin + wind.east_mps);
+            prop_assert!(wrap_pi(libm::atan2(east, north) - course).abs() < 1e-9);
+            let (back, again) = wind.air_velocity((north * north + east * east).sqrt(), course);
+            prop_assert!((back - airspeed).abs() < 1e-9 && wrap_pi(again - heading_rad).abs() < 1e-9);
+        }
+
+        #[test]
+        fn still_air_changes_no_bit(course in -3.1..3.1f64, to in -3.1..3.1f64, speed in 5.0..15.0f64) {
+            let autopilot = Autopilot::new(&Dynamics::default(), 0.01);
+            let setpoint = Setpoint { speed_mps: speed, course_rad: to, altitude_m: 52.0 };
+            let state = cruise(course);
+            prop_assert_eq!(autopilot.step_in_wind(&state, &setpoint, &Wind::CALM), autopilot.step(&state, &setpoint));
+            prop_assert_eq!(Wind::CALM.heading_rad(to, 10.0).to_bits(), to.to_bits());
+            prop_assert_eq!(state.in_air(&Wind::CALM), state);
+        }
+
+        #[test]
+        fn any_wind_leaves_a_finite_flight(
+            course in -3.1..3.1f64, speed in 0.0..60.0f64, from in -3.1..3.1f64, airspeed in 5.0..15.0f64,
+        ) {
+            let wind = Wind::from_direction(speed, from);
+            let end = fly(cruise(-course), course, airspeed, &wind, 3);
+            prop_assert!(end.is_finite());
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Whether the parameters that settings start with are the vehicle's, and in their ranges; for those who check settings
+//! before anything flies.
+
+use super::{ParameterRefused, Parameters};
+use crate::VehicleSettings;
+
+/// A parameter that a vehicle does not take at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterFault {
+    /// Its name.
+    pub name: String,
+    /// The value.
+    pub value: f32,
+    /// What it must be.
+    pub wanted: String,
+}
+
+/// What is wrong with [`VehicleSettings::default_parameters`]; nothing if a vehicle takes them all.
+pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
+    let mut parameters = Parameters::new(settings);
+    let mut refuse = |name: &str, value: f32| {
+        let refused = match parameters.named(name) {
+            Some(parameter) => parameters.set(parameter, value),
+            None => Err(ParameterRefused::Unknown(name.to_owned())),
+        };
+        let wanted = match refused.err()? {
+            ParameterRefused::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
+            ParameterRefused::ReadOnly(_) => "left out: it is only read".to_owned(),
+            ParameterRefused::Type(_) | ParameterRefused::NotFinite(_) => "a finite number".to_owned(),
+            ParameterRefused::Range { least, most, .. } => format!("a number from {least} to {most}"),
+        };
+        Some(ParameterFault { name: name.to_owned(), value, wanted })
+    };
+    settings.default_parameters.iter().filter_map(|(name, value)| refuse(name, *value)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_fault_is_told_and_the_rest_is_taken() {
+        let given = [("WP_RADIUS", 0.0), ("AIRSPEED_CRUISE", 12.0), ("AIRSPEED_MAX", 11.0), ("STAT_RUNTIME", 1.0)];
+        let more = [("SYSID_THISMAV", 1.0), ("RTL_RADIUS", f32::NAN)];
+        let default_parameters = given.iter().chain(&more).map(|(name, value)| ((*name).to_owned(), *value)).collect();
+        let faults = check_parameters(&VehicleSettings { default_parameters, ..VehicleSettings::default() });
+        let told: Vec<(&str, &str)> = faults.iter().map(|fault| (&fault.name[..], &fault.wanted[..])).collect();
+        assert_eq!(
+            told,
+            [
+                ("WP_RADIUS", "a number from 1 to 32767"),
+                ("AIRSPEED_MAX", "a number from 12 to 15"),
+                ("STAT_RUNTIME", "left out: it is only read"),
+                ("SYSID_THISMAV", "the name of a parameter that the vehicle has"),
+                ("RTL_RADIUS", "a finite number"),
+            ]
+        );
+    }
+}
