@@ -55,10 +55,23 @@ class Craft:
         self.port = row["port"]
         self.texts = collections.deque()
         self.link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255, source_component=190)
-        self.heartbeat()
-        # A vehicle tells a new peer at once who and where it is, beside what is due.
-        self.wait(["HEARTBEAT"])
-        self.wait(["LOCAL_POSITION_NED"])
+        self.greet()
+
+    def greet(self):
+        """A vehicle tells a new peer at once who and where it is, beside what is due. The greeting may be lost."""
+        for last in [False] * 9 + [True]:
+            self.heartbeat()
+            try:
+                self.wait(["HEARTBEAT"], self.is_ours, patience_s=1)
+                self.wait(["LOCAL_POSITION_NED"], self.is_ours, patience_s=1)
+                return
+            except TimeoutError:
+                if last:
+                    raise
+
+    def is_ours(self, message):
+        """Others may stand behind the same port."""
+        return message.get_srcSystem() == self.system
 
     def close(self):
         self.link.close()
@@ -66,9 +79,9 @@ class Craft:
     def heartbeat(self):
         self.link.mav.heartbeat_send(mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0)
 
-    def wait(self, kinds, where=lambda message: True):
+    def wait(self, kinds, where=lambda message: True, patience_s=PATIENCE_S):
         """The next message of a kind, or of several, for which `where` holds. Words on the way are kept for `text`."""
-        deadline = time.monotonic() + PATIENCE_S
+        deadline = time.monotonic() + patience_s
         while (left := deadline - time.monotonic()) > 0:
             message = self.link.recv_match(blocking=True, timeout=left)
             if message is None:
@@ -77,7 +90,7 @@ class Craft:
                 self.texts.append(message)
             if message.get_type() in kinds and where(message):
                 return message
-        raise TimeoutError(f"no {kinds} from vehicle {self.system} within {PATIENCE_S} s")
+        raise TimeoutError(f"no {kinds} from vehicle {self.system} within {patience_s} s")
 
     def text(self):
         """The next STATUSTEXT that nobody has read: a refusal's reason comes before its acknowledgement."""

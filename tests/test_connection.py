@@ -69,3 +69,77 @@ def test_files_are_refused_at_once(craft):
     craft.link.mav.file_transfer_protocol_send(0, craft.system, craft.component, list_directory)
     answer = craft.wait(["FILE_TRANSFER_PROTOCOL"])
     assert (answer.payload[0], answer.payload[3], answer.payload[5], answer.payload[12]) == (2, 129, 3, 7)
+
+
+REQUEST, INTERVAL = mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
+# Newer than pymavlink's dialect.
+COMPONENT_METADATA = 397
+FTP_TERMINATE, FTP_RESET, FTP_LIST, FTP_OPEN, FTP_NAK, FTP_BURST = 1, 2, 3, 4, 129, 15
+
+
+def qgroundcontrol():
+    """What QGroundControl sends when it meets a vehicle, in its order: its initial connect state machine, then its camera,
+    gimbal, storage and video managers and the streams of its settings. Each with the answer that comes.
+
+    Sources: InitialConnectStateMachine.cc, StandardModes.cc, ComponentInformationManager.cc, ParameterManager.cc,
+    PlanManager.cc, QGCCameraManager.cc, GimbalController.cc of <https://github.com/mavlink/qgroundcontrol>.
+    """
+    yield "version", command(REQUEST, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION), ("AUTOPILOT_VERSION", ACCEPTED)
+    yield "version, older", command(mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, 1), ("AUTOPILOT_VERSION", ACCEPTED)
+    yield "protocol", command(REQUEST, mavlink.MAVLINK_MSG_ID_PROTOCOL_VERSION), ("PROTOCOL_VERSION", ACCEPTED)
+    yield "standard modes", command(REQUEST, mavlink.MAVLINK_MSG_ID_AVAILABLE_MODES, 1), ("AVAILABLE_MODES", ACCEPTED)
+    yield "current mode", command(REQUEST, mavlink.MAVLINK_MSG_ID_CURRENT_MODE), ("CURRENT_MODE", ACCEPTED)
+    yield "metadata", command(REQUEST, COMPONENT_METADATA), (None, FAILED)
+    yield "metadata, older", command(REQUEST, mavlink.MAVLINK_MSG_ID_COMPONENT_INFORMATION), (None, FAILED)
+    yield "parameters as a file", ftp(FTP_OPEN, b"@PARAM/param.pck?withdefaults=1"), ("FILE_TRANSFER_PROTOCOL", None)
+    yield "sessions", ftp(FTP_RESET), ("FILE_TRANSFER_PROTOCOL", None)
+    yield "files", ftp(FTP_LIST, b"@MAV_LOG"), ("FILE_TRANSFER_PROTOCOL", None)
+    yield "a burst", ftp(FTP_BURST), ("FILE_TRANSFER_PROTOCOL", None)
+    yield "a session's end", ftp(FTP_TERMINATE), ("FILE_TRANSFER_PROTOCOL", None)
+    yield "PX4's checksum", lambda mav, to: mav.param_request_read_send(*to, b"_HASH_CHECK", -1), ("PARAM_ERROR", None)
+    yield "parameters", lambda mav, to: mav.param_request_list_send(*to), ("PARAM_VALUE", None)
+    for plan in PLANS:
+        yield f"plan {plan}", lambda mav, to, plan=plan: mav.mission_request_list_send(*to, plan), ("MISSION_COUNT", None)
+    yield "home", command(mavlink.MAV_CMD_GET_HOME_POSITION), ("HOME_POSITION", ACCEPTED)
+    for kind in ("CAMERA_INFORMATION", "GIMBAL_MANAGER_INFORMATION", "VIDEO_STREAM_INFORMATION", "STORAGE_INFORMATION"):
+        yield kind, command(REQUEST, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}")), (None, FAILED)
+    for number in range(521, 528):
+        if hasattr_command(number):
+            yield f"command {number}", command(number, 1), (None, UNSUPPORTED)
+    for kind in ("GIMBAL_MANAGER_STATUS", "GIMBAL_DEVICE_ATTITUDE_STATUS"):
+        yield f"rate of {kind}", command(INTERVAL, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}"), 1e6), (None, FAILED)
+    yield "rate of home", command(INTERVAL, mavlink.MAVLINK_MSG_ID_HOME_POSITION, 1e6), ("HOME_POSITION", ACCEPTED)
+    yield "rate", command(INTERVAL, mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 1e6), ("EXTENDED_SYS_STATE", ACCEPTED)
+    yield "logs", lambda mav, to: mav.log_request_list_send(*to, 0, 0xFFFF), ("LOG_ENTRY", None)
+    yield "time", lambda mav, to: mav.timesync_send(0, 1), ("TIMESYNC", None)
+    yield "ping", lambda mav, to: mav.ping_send(0, 1, 0, 0), ("PING", None)
+    yield "a vendor's command", command(42_001), (None, UNSUPPORTED)
+
+
+def command(number, p1=0, p2=0):
+    return lambda mav, to: mav.command_long_send(*to, number, 0, p1, p2, 0, 0, 0, 0, 0)
+
+
+def ftp(opcode, data=b""):
+    payload = (bytes([1, 0, 0, opcode, len(data), 0, 0, 0, 0, 0, 0, 0]) + data).ljust(251, b"\0")
+    return lambda mav, to: mav.file_transfer_protocol_send(0, *to, payload)
+
+
+def hasattr_command(number):
+    return number in mavlink.enums["MAV_CMD"]
+
+
+def test_each_question_of_qgroundcontrol_is_answered_at_once(craft):
+    mav, to = craft.link.mav, (craft.system, craft.component)
+    for name, ask, (kind, result) in qgroundcontrol():
+        ask(mav, to)
+        # What is asked next is heard next: an answer that has not come by the answer to a ping does not come at all.
+        waiting = {kind, None if result is None else "COMMAND_ACK"} - {None}
+        while waiting:
+            message = craft.wait([*waiting], patience_s=5)
+            waiting.discard(message.get_type())
+            if message.get_type() == "COMMAND_ACK":
+                assert message.result == result, name
+            if message.get_type() == "FILE_TRANSFER_PROTOCOL":
+                assert message.payload[3] == FTP_NAK, name
+    assert all(text.text for text in craft.texts), "a refusal has words"

@@ -112,3 +112,30 @@ def test_reckoning_goes_astray_by_the_wind_that_it_does_not_see(craft):
     settled = craft.samples(30)[-1]
     assert math.degrees(abs(settled.course_rad)) < 1
     assert craft.wait(["WIND"]).speed == pytest.approx(4, rel=0.1)
+
+
+def test_without_its_engine_it_glides_down_and_goes_on_with_it(craft):
+    craft.set_parameter("SIM_ENGINE_FAIL", 4)
+    assert words(craft, "Engine failed").severity == mavlink.MAV_SEVERITY_CRITICAL
+    assert status(craft) == (GUIDED, CRITICAL)
+    sinking = craft.wait(["VFR_HUD"], lambda hud: hud.climb < -0.3)
+    assert sinking.throttle == 0
+    craft.set_parameter("SIM_ENGINE_FAIL", 0)
+    words(craft, "Engine runs again")
+    assert status(craft) == (GUIDED, ACTIVE)
+    craft.wait(["LOCAL_POSITION_NED"], lambda at: abs(at.z + 50) < 0.5)
+
+
+def test_a_missing_ground_station_is_missed_and_its_return_is_said(craft):
+    craft.heartbeat()
+    for name, value in {"FS_GCS_ENABL": 1, "FS_LONG_ACTN": 1, "FS_LONG_TIMEOUT": 5}.items():
+        craft.set_parameter(name, value)
+    craft.heartbeat()
+    text = words(craft, "GCS Failsafe On")
+    assert text.text == "GCS Failsafe On: switched to RTL"
+    heartbeat = craft.wait(["HEARTBEAT"])
+    assert (heartbeat.custom_mode, heartbeat.system_status) == (RTL, CRITICAL)
+    craft.heartbeat()
+    words(craft, "GCS Failsafe Cleared")
+    assert status(craft) == (RTL, ACTIVE)
+    assert craft.set_mode(GUIDED) == ACCEPTED

@@ -2,10 +2,10 @@
 
 import math
 import subprocess
-import time
 
 import pytest
 from ground import FAILED
+from lists import Lists
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
@@ -25,50 +25,6 @@ def read(craft, name):
 def write(craft, name, value, kind=REAL32):
     craft.link.mav.param_set_send(craft.system, craft.component, name.encode(), value, kind)
     return craft.wait(["PARAM_VALUE"], lambda value: value.param_id == name)
-
-
-class Lists:
-    """Fetches the parameters of many vehicles as ground stations do: the list, then by index what did not come."""
-
-    QUIET_S = 0.5
-    AT_ONCE = 200
-
-    def __init__(self, link, systems):
-        self.link, self.found = link, {system: {} for system in systems}
-        self.counts = {}
-
-    def missing(self):
-        for system, found in self.found.items():
-            if system not in self.counts:
-                yield system, None
-            else:
-                yield from ((system, index) for index in range(self.counts[system]) if index not in found)
-
-    def fetch(self, patience_s=20):
-        start = time.monotonic()
-        self.request(self.missing())
-        heard = start
-        while any(True for _ in self.missing()):
-            now = time.monotonic()
-            assert now - start < patience_s, f"{sum(1 for _ in self.missing())} missing after {patience_s} s"
-            message = self.link.recv_match(type="PARAM_VALUE", blocking=True, timeout=self.QUIET_S)
-            if message is not None and message.param_index != NO_INDEX:
-                system = message.get_srcSystem()
-                self.counts[system] = message.param_count
-                self.found[system][message.param_index] = message
-                heard = now
-            elif now - heard > self.QUIET_S:
-                heard = now
-                self.request(list(self.missing())[: self.AT_ONCE])
-        return time.monotonic() - start
-
-    def request(self, missing):
-        for system, index in missing:
-            self.link.target_system = system
-            if index is None:
-                self.link.mav.param_request_list_send(system, 1)
-            else:
-                self.link.mav.param_request_read_send(system, 1, b"", index)
 
 
 def test_the_list_is_whole_and_typed_as_arduplanes(craft):
@@ -149,6 +105,19 @@ def test_a_list_completes_over_a_link_that_loses_a_third_each_way(start_vehicles
     link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
     Lists(link, [row["system_id"]]).fetch()
     link.close()
+
+
+@pytest.mark.parametrize("loss", [0, 0.3])
+def test_two_hundred_vehicles_through_one_port(start_vehicles, loss):
+    rows = start_vehicles("--count", 200, "--per-port", 200, "--loss", loss).rows
+    link = mavutil.mavlink_connection(f"udpout:{rows[0]['address']}", source_system=255)
+    lists = Lists(link, [row["system_id"] for row in rows])
+    lists.fetch(patience_s=60)
+    link.close()
+    names = [sorted(value.param_id for value in found.values()) for found in lists.found.values()]
+    assert len(names) == 200 and all(name == names[0] for name in names)
+    own = {system: value.param_value for system, found in lists.found.items() for value in found.values() if value.param_id == "MAV_SYSID"}
+    assert own == {row["system_id"]: row["system_id"] for row in rows}
 
 
 def test_two_hundred_vehicles_through_one_link(start_vehicles, scenario):

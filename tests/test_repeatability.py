@@ -51,3 +51,13 @@ def test_a_loaded_machine_changes_nothing(fly, flown):
 
 def test_another_seed_is_another_flight(fly, flown):
     assert fly("run", "--seed", 8, "--transport", "memory").trajectory_bytes != flown.trajectory_bytes
+
+
+def test_wind_and_gusts_repeat_too_however_it_is_flown(fly, tmp_path):
+    windy = tmp_path / "windy.toml"
+    windy.write_text("[parameters]\nSIM_WIND_SPD = 2.0\nSIM_WIND_DIR = 60\nSIM_WIND_TURB = 0.5\n")
+    first, again, memory = (fly("run", windy, *options) for options in ([], ["--loss", 0.2], ["--transport", "memory"]))
+    assert first.status == 0, first.errors
+    assert first.trajectory_bytes == again.trajectory_bytes == memory.trajectory_bytes
+    assert first.summary["separation_losses"] == 0
+    assert fly("run", windy, "--seed", 99, "--transport", "memory").trajectory_bytes != first.trajectory_bytes

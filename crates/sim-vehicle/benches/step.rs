@@ -3,7 +3,8 @@
 
 use divan::{Bencher, black_box};
 use flight_model::Setpoint;
-use sim_vehicle::{TelemetryRates, Vehicle, VehicleSettings};
+use mavlink_bridge::PlanItem;
+use sim_vehicle::{Plans, TelemetryRates, Vehicle, VehicleSettings};
 use std::time::Duration;
 
 fn main() {
@@ -30,6 +31,27 @@ fn fly(bencher: Bencher<'_, '_>, settings: VehicleSettings) {
 #[divan::bench]
 fn without_telemetry(bencher: Bencher<'_, '_>) {
     fly(bencher, VehicleSettings { ground: None, ..VehicleSettings::default() });
+}
+
+/// Inside a polygon of a hundred corners, which is looked at in each step.
+#[divan::bench]
+fn within_a_fence_of_100_corners(bencher: Bencher<'_, '_>) {
+    const CORNERS: u16 = 100;
+    let settings = VehicleSettings::default();
+    let corner = |index: u16| {
+        let bearing_rad = std::f64::consts::TAU * f64::from(index) / f64::from(CORNERS);
+        let place = settings.frame.to_geodetic(1e5 * libm::cos(bearing_rad), 1e5 * libm::sin(bearing_rad), 0.0);
+        PlanItem {
+            command: 5001,
+            params: [f32::from(CORNERS), 0.0, 0.0, 0.0],
+            latitude_e7: (place.latitude_deg * 1e7) as i32,
+            longitude_e7: (place.longitude_deg * 1e7) as i32,
+            ..PlanItem::default()
+        }
+    };
+    let plans = Plans { fence: (0..CORNERS).map(corner).collect(), ..Plans::default() };
+    let parameters = vec![("FENCE_ENABLE".to_owned(), 1.0)];
+    fly(bencher, VehicleSettings { ground: None, plans, parameters, ..settings });
 }
 
 #[divan::bench]

@@ -2,6 +2,7 @@
 
 use crate::commands::Refusal;
 use crate::flight::Event;
+use crate::life::GpsSettings;
 use crate::mission::{LAND_START, RETURN_PATH_START};
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};
@@ -65,8 +66,10 @@ impl Vehicle {
             Some("DO_LAND_START set and RTL_AUTOLAND disabled".into())
         } else if !lands_by_rtl && contains(RETURN_PATH_START) {
             Some("DO_RETURN_PATH_START set and RTL_AUTOLAND disabled".into())
+        } else if !GpsSettings::of(&self.parameters).has_fix() {
+            Some("GPS 1: Bad fix".into())
         } else {
-            self.fence_forbids_arming()
+            self.battery_forbids_arming().or_else(|| self.fence_forbids_arming())
         }
     }
 

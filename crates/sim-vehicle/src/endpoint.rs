@@ -19,8 +19,8 @@ pub(crate) struct Endpoint {
     vehicles: Vec<Vehicle>,
     /// Index of the first vehicle among all of the host's.
     first: usize,
-    /// Where parameters that are set are kept.
-    pub parameters_folder: Option<PathBuf>,
+    /// Where parameters that are set and plans are kept.
+    pub state_folder: Option<PathBuf>,
     frames: Counters,
     track: Vec<State>,
 }
@@ -56,7 +56,7 @@ impl Endpoint {
                 return Err(HostError::DuplicateSystemId { first: first + other, second: first + index, system_id });
             }
         }
-        Ok(Self { link, vehicles, first, parameters_folder: None, frames: Counters::default(), track: Vec::new() })
+        Ok(Self { link, vehicles, first, state_folder: None, frames: Counters::default(), track: Vec::new() })
     }
 
     /// The vehicles behind this port.
@@ -131,7 +131,7 @@ impl Endpoint {
     /// A vehicle flies on when its parameters cannot be kept, as an autopilot with a broken card does.
     fn keep_parameters(&mut self, index: usize) {
         let vehicle = &mut self.vehicles[index];
-        let Some(folder) = self.parameters_folder.as_ref().filter(|_| vehicle.take_parameters_changed()) else {
+        let Some(folder) = self.state_folder.as_ref().filter(|_| vehicle.take_parameters_changed()) else {
             return;
         };
         let path = file::path(folder, self.first + index);
@@ -143,7 +143,7 @@ impl Endpoint {
     /// The same for its plans.
     fn keep_plans(&mut self, index: usize) {
         let vehicle = &mut self.vehicles[index];
-        let Some(folder) = &self.parameters_folder else { return };
+        let Some(folder) = &self.state_folder else { return };
         for kind in vehicle.take_changed_plans() {
             let path = plans::file::path(folder, self.first + index, kind);
             if let Err(error) = plans::file::write(&path, vehicle.plan(kind)) {

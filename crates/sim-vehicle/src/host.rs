@@ -30,7 +30,7 @@ pub struct HostSettings {
     pub link: LinkSettings,
     /// Folder of the files in which parameters and plans survive a restart, `vehicle-1.parm`, `vehicle-1-mission.txt` and
     /// so on; none: they do not.
-    pub parameters_folder: Option<PathBuf>,
+    pub state_folder: Option<PathBuf>,
 }
 
 impl Default for HostSettings {
@@ -41,7 +41,7 @@ impl Default for HostSettings {
             vehicles_per_port: 1,
             clock: Clock::WALL,
             link: LinkSettings::default(),
-            parameters_folder: None,
+            state_folder: None,
         }
     }
 }
@@ -80,7 +80,7 @@ impl Host {
             .into_iter()
             .enumerate()
             .map(|(vehicle, mut own)| {
-                if let Some(folder) = &settings.parameters_folder {
+                if let Some(folder) = &settings.state_folder {
                     own.parameters = file::read(&file::path(folder, vehicle))?;
                     own.plans = plans::file::read(folder, vehicle)?;
                 }
@@ -106,7 +106,7 @@ impl Host {
             let address = link.local_addr()?;
             host.addresses.resize(first + group.len(), address);
             let mut endpoint = Endpoint::new(link, group, first)?;
-            endpoint.parameters_folder.clone_from(&settings.parameters_folder);
+            endpoint.state_folder.clone_from(&settings.state_folder);
             host.endpoints.push(endpoint);
         }
         Ok(host)

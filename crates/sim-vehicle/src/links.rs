@@ -14,8 +14,8 @@ use std::time::Duration;
 pub(crate) const DATAGRAM_BYTES_MAX: usize = 1200;
 /// A peer that says nothing for so long is forgotten (the ground address never is).
 pub(crate) const SILENCE_MAX: Duration = Duration::from_secs(30);
-/// Most peers at a time; a new one displaces the most silent.
-pub(crate) const LINKS_MAX: usize = 32;
+/// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of them.
+pub(crate) const LINKS_MAX: usize = 64;
 
 #[derive(Debug)]
 pub(crate) struct Links {

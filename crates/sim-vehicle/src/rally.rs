@@ -54,7 +54,7 @@ impl Vehicle {
     }
 
     fn distance_to_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
-        let state = self.flight.state();
+        let state = self.flight.estimate();
         let (north_m, east_m) = (x_m - state.x_m, y_m - state.y_m);
         (north_m * north_m + east_m * east_m).sqrt()
     }

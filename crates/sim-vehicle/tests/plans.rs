@@ -8,6 +8,7 @@ use mavlink_bridge::dialect::MavCmd::*;
 use mavlink_bridge::dialect::MavMissionResult::*;
 use mavlink_bridge::dialect::*;
 use mavlink_bridge::{ItemKind, PlanItem, PlanItemMessage, Target};
+use proptest::prelude::*;
 use sim_vehicle::{Mode, Plans, Vehicle, VehicleSettings};
 
 const TO: Target = Target { system_id: TARGET, component_id: 1 };
@@ -297,6 +298,26 @@ fn the_fence_may_be_enabled_by_arming_and_by_a_command() {
 }
 
 #[test]
+fn the_fence_may_be_enabled_by_a_take_off_and_the_floor_is_reached_from_below() {
+    let mut client = Client::new(VehicleSettings { on_ground: true, ..quiet() });
+    upload(&mut client, FENCE, &square(2000.0));
+    set(&mut client, "FENCE_TYPE", 12.0);
+    set(&mut client, "FENCE_ALT_MIN", 20.0);
+    set(&mut client, "FENCE_AUTOENABLE", 2.0);
+    set_mode(&mut client, Mode::Takeoff);
+    assert_eq!(client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]), ACCEPTED);
+    client.fly(40.0);
+    let said = texts(&client.collect());
+    assert!(said.contains(&"Min Alt fence enabled (auto enable)".to_owned()), "{said:?}");
+    assert!(said.contains(&"Polygon fence auto-enabled".to_owned()), "{said:?}");
+    assert_eq!(set_mode(&mut client, Mode::Guided), ACCEPTED);
+    client.command_int(MAV_CMD_GUIDED_CHANGE_ALTITUDE, [0.0; 3], 10.0, MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT);
+    client.fly(20.0);
+    assert!(texts(&client.collect()).contains(&"Min Alt fence breached".to_owned()));
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+}
+
+#[test]
 fn plans_that_were_on_board_are_there_again_or_the_start_fails() {
     let plans = Plans { fence: square(100.0), ..Plans::default() };
     let mut client = Client::new(VehicleSettings { plans, ..quiet() });
@@ -304,4 +325,92 @@ fn plans_that_were_on_board_are_there_again_or_the_start_fails() {
     let plans = Plans { fence: square(100.0)[..3].to_vec(), ..Plans::default() };
     let error = Vehicle::new(VehicleSettings { plans, ..quiet() }).unwrap_err();
     assert_eq!(error.to_string(), "Fence refused: Incorrect item count");
+}
+
+/// One message of somebody who uploads well or badly.
+#[derive(Clone, Debug)]
+enum Move {
+    Count(u16),
+    Item(u16, usize),
+    Partial(i16, i16),
+    Clear,
+    BreakOff,
+    Wait,
+}
+
+fn a_move() -> impl Strategy<Value = Move> {
+    prop_oneof![
+        (0..6u16).prop_map(Move::Count),
+        (0..6u16, 0..4usize).prop_map(|(seq, choice)| Move::Item(seq, choice)),
+        (-1..6i16, -1..6i16).prop_map(|(first, last)| Move::Partial(first, last)),
+        Just(Move::Clear),
+        Just(Move::BreakOff),
+        Just(Move::Wait),
+    ]
+}
+
+impl Move {
+    fn send(&self, client: &mut Client, mission_type: MavMissionType) -> Vec<Message> {
+        let corner = square(100.0)[0];
+        let choices = [
+            corner,
+            item(MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 20.0, 5.0, 5.0, 0.0),
+            item(MAV_CMD_NAV_RALLY_POINT, 0.0, 5.0, 5.0, 50.0),
+            PlanItem { params: [f32::NAN; 4], ..corner },
+        ];
+        match *self {
+            Move::Count(number) => client.ask(&count(mission_type, number)),
+            Move::Item(seq, choice) => send_item(client, mission_type, seq, &choices[choice]),
+            Move::Partial(start_index, end_index) => {
+                client.ask(&Message::MISSION_WRITE_PARTIAL_LIST(MISSION_WRITE_PARTIAL_LIST_DATA {
+                    start_index,
+                    end_index,
+                    target_system: TARGET,
+                    mission_type,
+                    ..MISSION_WRITE_PARTIAL_LIST_DATA::DEFAULT
+                }))
+            }
+            Move::Clear => client.ask(&Message::MISSION_CLEAR_ALL(MISSION_CLEAR_ALL_DATA {
+                target_system: TARGET,
+                mission_type,
+                ..MISSION_CLEAR_ALL_DATA::DEFAULT
+            })),
+            Move::BreakOff => client.ask(&Message::MISSION_ACK(MISSION_ACK_DATA {
+                target_system: TARGET,
+                mavtype: MAV_MISSION_OPERATION_CANCELLED,
+                mission_type,
+                ..MISSION_ACK_DATA::DEFAULT
+            })),
+            Move::Wait => {
+                if let Some(due) = client.vehicle.poll_timeout() {
+                    client.vehicle.handle_timeout(due);
+                }
+                client.collect()
+            }
+        }
+    }
+}
+
+proptest! {
+    /// Whatever two writers send in whatever order, a plan changes only where its change is accepted, and a fence on board
+    /// always makes sense.
+    #[test]
+    fn nothing_is_half_applied(moves in prop::collection::vec((a_move(), any::<bool>(), any::<bool>()), 1..60)) {
+        let mut client = Client::new(quiet());
+        let mut plans = [vec![], vec![]];
+        for (step, of_fence, by_other) in moves {
+            let kind = if of_fence { FENCE } else { RALLY };
+            client.address = peer(if by_other { 50_000 } else { 40_000 });
+            let answer = step.send(&mut client, kind);
+            let was_accepted = answer.iter().any(|message| matches!(message, Message::MISSION_ACK(ack)
+                if ack.mavtype == MAV_MISSION_ACCEPTED && ack.mission_type == kind));
+            let now = [on_board(&mut client, FENCE), on_board(&mut client, RALLY)];
+            let changed = (now[0] != plans[0], now[1] != plans[1]);
+            let may = (was_accepted && of_fence, was_accepted && !of_fence);
+            prop_assert!((!changed.0 || may.0) && (!changed.1 || may.1), "{step:?}: {answer:?}");
+            let corners = now[0].iter().filter(|item| item.command == MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION).count();
+            prop_assert!(corners % 4 == 0 && now[1].iter().all(|item| item.command == MAV_CMD_NAV_RALLY_POINT));
+            plans = now;
+        }
+    }
 }

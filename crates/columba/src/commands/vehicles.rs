@@ -28,7 +28,7 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let settings = HostSettings {
-        parameters_folder: args.state_folder.clone(),
+        state_folder: args.state_folder.clone(),
         ..flying::host_settings(&scenario, clock, base_port, link)
     };
     let mut vehicles = flying::vehicle_settings(&scenario, None, epoch_us);

@@ -40,6 +40,10 @@ const CRITICAL: Threshold = Threshold {
     action: Parameter::BatteryCriticalAction,
 };
 
+/// Values of BATT_FS_LOW_ACT and BATT_FS_CRT_ACT.
+const RETURN: f32 = 1.0;
+const LAND: f32 = 2.0;
+
 impl BatteryWatch {
     pub fn level(&self) -> BatteryLevel {
         self.level
@@ -75,25 +79,49 @@ impl Vehicle {
         }
         self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
         self.counters.failsafes += 1;
-        // Without a place to land, ArduPlane's action to land (2) is to return (1).
-        if self.parameters.get(action) != 0.0 {
-            self.set_mode(Mode::Rtl);
+        // ArduPlane lands by the mission's landing sequence, and without one it returns.
+        match self.parameters.get(action) {
+            RETURN => self.set_mode(Mode::Rtl),
+            LAND if !self.flight.is_landing() && self.start_landing().is_err() => self.set_mode(Mode::Rtl),
+            _ => {}
         }
     }
 
+    /// Why the battery does not let it arm, if it does not.
+    pub(crate) fn battery_forbids_arming(&self) -> Option<String> {
+        if self.parameters.get(Parameter::BatteryMonitor) == 0.0 {
+            return None;
+        }
+        [("critical", &CRITICAL), ("low", &LOW)].into_iter().find_map(|(words, threshold)| {
+            let reason = match (self.is_voltage_below(threshold), self.is_charge_below(threshold)) {
+                (true, _) => "voltage",
+                (_, true) => "capacity",
+                (false, false) => return None,
+            };
+            Some(format!("Battery 1 {words} {reason} failsafe"))
+        })
+    }
+
     fn is_reached(&self, threshold: &Threshold, since: &mut Option<Duration>) -> bool {
-        let get = |parameter| f64::from(self.parameters.get(parameter));
-        let battery = &self.life.battery;
-        let (least_v, least_mah) = (get(threshold.voltage), get(threshold.charge));
-        if least_v > 0.0 && battery.voltage_v() < least_v {
+        if self.is_voltage_below(threshold) {
             since.get_or_insert(self.time);
         } else {
             *since = None;
         }
-        let timer_s = get(Parameter::BatteryLowTimer);
+        let timer_s = f64::from(self.parameters.get(Parameter::BatteryLowTimer));
         let is_voltage_low =
             since.is_some_and(|since| timer_s > 0.0 && self.time.saturating_sub(since).as_secs_f64() > timer_s);
-        let left_mah = get(Parameter::BatteryCapacity) - battery.consumed_mah();
-        is_voltage_low || (least_mah > 0.0 && left_mah < least_mah)
+        is_voltage_low || self.is_charge_below(threshold)
+    }
+
+    fn is_voltage_below(&self, threshold: &Threshold) -> bool {
+        let least_v = f64::from(self.parameters.get(threshold.voltage));
+        least_v > 0.0 && self.life.battery.voltage_v() < least_v
+    }
+
+    fn is_charge_below(&self, threshold: &Threshold) -> bool {
+        let least_mah = f64::from(self.parameters.get(threshold.charge));
+        let left_mah = f64::from(self.parameters.get(Parameter::BatteryCapacity)) - self.life.battery.consumed_mah();
+        least_mah > 0.0 && left_mah < least_mah
     }
 }

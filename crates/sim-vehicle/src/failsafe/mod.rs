@@ -1,7 +1,8 @@
-//! What the vehicle does by itself when something is missing: setpoints, its ground station, charge, a GPS. Each is said
+//! What the vehicle does by itself when something is missing: setpoints, its ground station, charge, a GPS, an engine. Each is said
 //! aloud when it begins and when it ends.
 
 mod battery;
+mod engine;
 mod gps;
 mod weather;
 
@@ -23,6 +24,7 @@ pub(crate) struct Failsafes {
     pub ground_lost: bool,
     pub battery: BatteryWatch,
     pub gps_lost: bool,
+    pub engine_failed: bool,
     /// Whether the wind is stronger than the airspeed: said, but no failsafe.
     pub is_blown_away: bool,
 }
@@ -36,13 +38,18 @@ impl Failsafes {
             ground_lost: false,
             battery: BatteryWatch::default(),
             gps_lost: false,
+            engine_failed: false,
             is_blown_away: false,
         }
     }
 
     /// Whether any of them acts.
     pub fn is_any(&self) -> bool {
-        self.setpoints_lost || self.ground_lost || self.gps_lost || self.battery.level() != BatteryLevel::Ok
+        self.setpoints_lost
+            || self.ground_lost
+            || self.gps_lost
+            || self.engine_failed
+            || self.battery.level() != BatteryLevel::Ok
     }
 }
 
@@ -61,6 +68,7 @@ impl Vehicle {
         }
         self.check_battery();
         self.check_gps();
+        self.check_engine();
         self.check_wind();
     }
 

@@ -61,7 +61,7 @@ impl Vehicle {
     /// Why the fence does not let it arm, if it does not.
     pub(crate) fn fence_forbids_arming(&self) -> Option<String> {
         let get = |parameter: Parameter| self.parameters.get(parameter);
-        let (fence, state) = (&self.fence, self.flight.state());
+        let (fence, state) = (&self.fence, self.flight.estimate());
         let configured = configured(&self.parameters);
         if get(Parameter::FenceEnable) != 0.0 && fence.present(&self.parameters) == 0 {
             return Some("Fences enabled, but none selected".into());
@@ -143,16 +143,17 @@ impl Vehicle {
             self.leave_recovery();
             return;
         }
-        let on_ground = !self.flight.is_armed();
-        if on_ground {
+        let is_armed = self.flight.is_armed();
+        let is_down = !is_armed || self.flight.is_landing();
+        if is_down {
             self.rest_fence(by_itself);
         }
         let before = self.fence.breached;
         let home = self.flight.home();
-        let state = self.flight.state();
-        let state = State { altitude_m: state.altitude_m - home.altitude_m, ..*state };
+        let state = self.flight.estimate();
+        let state = State { altitude_m: state.altitude_m - home.altitude_m, ..state };
         let mut fresh = self.fence.look(&state, home.at(), &self.parameters);
-        if !on_ground {
+        if !is_down {
             self.raise_floor(by_itself, state.altitude_m);
         }
         if fresh != 0 {
@@ -167,7 +168,7 @@ impl Vehicle {
         }
         if self.fence.enabled == 0 {
             self.leave_recovery();
-        } else if on_ground {
+        } else if !is_armed {
             // It is told when it is to be armed.
         } else if fresh != 0 {
             self.tell_fence("breached", fresh);
@@ -240,7 +241,7 @@ impl Vehicle {
         }
     }
 
-    /// On the ground the least altitude does not count, and after FENCE_AUTOENABLE 1 nothing does.
+    /// On the ground and on the way down to it the least altitude does not count, and with FENCE_AUTOENABLE 1 nothing does.
     fn rest_fence(&mut self, by_itself: f32) {
         let mut kinds = if by_itself == AFTER_TAKEOFF { ALL } else { MIN_ALTITUDE };
         if self.fence.floor == Floor::On {

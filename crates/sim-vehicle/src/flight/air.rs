@@ -9,7 +9,9 @@ use flight_model::{Setpoint, State, Wind, wrap_pi};
 /// The air round the vehicle, and what its autopilot knows of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Air {
-    /// As it is.
+    /// As it is over ground, whether the vehicle feels it or stands.
+    outside: Wind,
+    /// As the vehicle feels it.
     wind: Wind,
     /// As the autopilot reckons with it: as it is, while a GPS tells where the air carries the vehicle.
     known: Wind,
@@ -22,18 +24,19 @@ pub(super) struct Air {
 impl Air {
     /// Still, round a vehicle that has just begun.
     pub fn at(start: &State) -> Self {
-        Self { wind: Wind::CALM, known: Wind::CALM, astray_m: (0.0, 0.0), before: *start }
+        Self { outside: Wind::CALM, wind: Wind::CALM, known: Wind::CALM, astray_m: (0.0, 0.0), before: *start }
     }
 }
 
 impl Flight {
-    /// The air of the next step; on the rail and on the ground it is not felt. `known` is the wind that the autopilot reckons with; none: it
-    /// sees its way over ground.
+    /// The air of the next step; on the rail and on the ground it is not felt. `known` is the wind that the autopilot
+    /// reckons with; none: it sees its way over ground.
     pub fn feel(&mut self, wind: Wind, known: Option<Wind>) {
         if self.contact != Contact::Air {
-            self.air = Air::at(&self.state);
+            self.air = Air { outside: wind, ..Air::at(&self.state) };
             return;
         }
+        self.air.outside = wind;
         // A gust from below takes the vehicle along; its altitude loop brings it back.
         self.state.climb_mps += wind.up_mps - self.air.wind.up_mps;
         self.air.wind = wind;
@@ -52,6 +55,12 @@ impl Flight {
         }
         let moving = self.state.in_air(&wind).over_ground(&known);
         State { x_m: self.state.x_m + north_m, y_m: self.state.y_m + east_m, ..moving }
+    }
+
+    /// The airspeed, m/s, that a run on the ground would take off with: against the wind it is faster.
+    pub(super) fn lift_off_speed_mps(&self) -> f64 {
+        let (sin, cos) = libm::sincos(self.state.course_rad);
+        self.state.speed_mps - self.air.outside.north_mps * cos - self.air.outside.east_mps * sin
     }
 
     /// Speed through the air, m/s, true.
@@ -79,6 +88,12 @@ impl Flight {
         let (now, before) = (self.state.velocity_mps(), self.air.before.velocity_mps());
         let climb_mps = self.state.climb_mps - self.air.before.climb_mps;
         [now.0 - before.0, now.1 - before.1, climb_mps].map(|change| change / self.autopilot.step_s())
+    }
+
+    /// Power that the speed asked for needs in level flight, as a share of the motor's greatest.
+    pub fn power_needed(&self) -> f64 {
+        let share = self.speed.target / self.dynamics.limits.speed_max_mps;
+        (share * share * share).clamp(0.0, 1.0)
     }
 
     /// Power that the motor gives, as a share of its greatest: drag grows with the cube of the airspeed, and a climb costs.

@@ -42,7 +42,7 @@ impl Flight {
         self.start.altitude_m.min(0.0)
     }
 
-    /// A vehicle that takes off runs until it lifts off at its least speed; any other slows down.
+    /// A vehicle that takes off runs until it lifts off at its least airspeed; any other slows down.
     pub(super) fn step_on_ground(&mut self) {
         let step_s = self.autopilot.step_s();
         let runs = self.is_engine_running() && matches!(self.stage, Stage::Takeoff);
@@ -57,7 +57,7 @@ impl Flight {
             speed_mps: after_mps,
             ..self.state
         });
-        if runs && after_mps >= self.dynamics.limits.speed_min_mps {
+        if runs && self.lift_off_speed_mps() >= self.dynamics.limits.speed_min_mps {
             self.contact = Contact::Air;
         }
     }

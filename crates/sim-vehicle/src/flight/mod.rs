@@ -182,7 +182,6 @@ impl Flight {
     }
 
     /// Stops or restarts the engine. Without it the speed falls to the least one and the vehicle glides down.
-    #[allow(dead_code)] // for engine failures
     pub fn set_engine(&mut self, works: bool) {
         self.engine_works = works;
     }

@@ -57,6 +57,11 @@ impl Battery {
         self.used_ah = 0.0;
     }
 
+    /// Whether nothing is left that could turn a motor.
+    pub fn is_empty(&self, settings: &BatterySettings) -> bool {
+        self.left(settings) <= 0.0
+    }
+
     /// V.
     pub fn voltage_v(&self) -> f64 {
         self.voltage_v
@@ -118,10 +123,11 @@ mod tests {
         let mut last_v = 12.7;
         for _ in 0..110 {
             drain(&mut battery, &REAL, 1.0, 1);
-            assert!(battery.voltage_v() < last_v);
+            assert!(battery.voltage_v() < last_v && !battery.is_empty(&REAL));
             last_v = battery.voltage_v();
         }
         drain(&mut battery, &REAL, 1.0, 20);
+        assert!(battery.is_empty(&REAL));
         assert!((battery.voltage_v() - 0.65 * 12.6).abs() < 1e-9);
         assert_eq!(battery.current_a(), CURRENT_IDLE_A);
         battery.replace();

@@ -50,11 +50,11 @@ impl Gps {
         } else if self.last.is_none() {
             self.last = Some(*self.track.front().unwrap_or(state));
         }
-        let steps = settings.lag.as_nanos() / step.as_nanos().max(1);
-        if steps == 0 {
+        if settings.lag < step {
             self.track.clear();
             return;
         }
+        let steps = settings.lag.as_nanos() / step.as_nanos().max(1);
         self.track.push_back(*state);
         while self.track.len() as u128 > steps {
             self.track.pop_front();

@@ -60,7 +60,11 @@ impl Vehicle {
         let known = (!sees_ground).then(|| life.weather.estimate());
         self.flight.feel(life.weather.wind(), known);
         let throttle = if self.flight.is_engine_running() { self.flight.power_share() } else { 0.0 };
-        life.battery.step(&BatterySettings::of(parameters), throttle, step_s);
+        let battery = BatterySettings::of(parameters);
+        life.battery.step(&battery, throttle, step_s);
+        let is_whole = parameters.get(Parameter::EngineFail) == 0.0
+            || f64::from(parameters.get(Parameter::EngineShare)) > self.flight.power_needed();
+        self.flight.set_engine(is_whole && !life.battery.is_empty(&battery));
         life.barometer_drift_m += f64::from(parameters.get(Parameter::BarometerDrift)) * step_s;
     }
 }

@@ -278,7 +278,7 @@ impl Vehicle {
         if is_on_ground || matches!(self.progress.leg, Leg::Landing) {
             return is_on_ground && matches!(self.progress.leg, Leg::Landing);
         }
-        let (state, time) = (*self.flight.state(), self.time);
+        let (state, time) = (self.flight.estimate(), self.time);
         let from = |(x_m, y_m): (f64, f64)| {
             let (north, east) = (state.x_m - x_m, state.y_m - y_m);
             ((north * north + east * east).sqrt(), libm::atan2(east, north))
@@ -330,7 +330,7 @@ impl Vehicle {
     /// Where an item is, (north, east) in m; without a place, here.
     pub(crate) fn place_of(&self, item: &PlanItem) -> (f64, f64) {
         if item.latitude_e7 == 0 && item.longitude_e7 == 0 {
-            let state = self.flight.state();
+            let state = self.flight.estimate();
             return (state.x_m, state.y_m);
         }
         self.to_local(item.latitude_e7, item.longitude_e7)

@@ -89,7 +89,7 @@ impl Vehicle {
     }
 
     fn has_come_back(&self) -> bool {
-        let (state, home) = (self.flight.state(), self.flight.home());
+        let (state, home) = (self.flight.estimate(), self.flight.home());
         let (north, east) = (state.x_m - home.x_m, state.y_m - home.y_m);
         let distance_m = (north * north + east * east).sqrt();
         distance_m <= self.flight.tuning().rtl_radius_m.abs() + RTL_TOLERANCE_M
@@ -140,7 +140,7 @@ impl Vehicle {
     }
 
     fn here(&self) -> (f64, f64) {
-        let state = self.flight.state();
+        let state = self.flight.estimate();
         (state.x_m, state.y_m)
     }
 

@@ -129,6 +129,9 @@ parameters! {
     GpsLag: "SIM_GPS1_LAG_MS", INT16, |_| 0.0, |_| (0.0, 2000.0), Effect::LookedUp;
     GpsNoise: "SIM_GPS1_NOISE", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
     GpsSatellites: "SIM_GPS1_NUMSATS", INT8, |_| 10.0, |_| (0.0, 40.0), Effect::LookedUp;
+    // Bits of motors; there is one, and any of them means it.
+    EngineFail: "SIM_ENGINE_FAIL", INT32, |_| 0.0, |_| (0.0, 16_777_215.0), Effect::LookedUp;
+    EngineShare: "SIM_ENGINE_MUL", REAL, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     RadioLoss: "SIM_UART_LOSS", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::RadioLoss;
     SimBatteryVoltage: "SIM_BATT_VOLTAGE", REAL, |_| 12.6, |_| (0.0, 100.0), Effect::LookedUp;
     SimBatteryCapacity: "SIM_BATT_CAP_AH", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::Battery;

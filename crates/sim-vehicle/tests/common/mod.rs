@@ -118,6 +118,16 @@ pub fn decode(datagram: &[u8]) -> Vec<Message> {
     messages
 }
 
+/// The name of the command that a datagram of one frame holds, if the dialect knows it.
+pub fn decode_command(datagram: &[u8]) -> Option<String> {
+    let mut counters = Counters::default();
+    match frames(datagram, &mut counters).next()?.message().ok()? {
+        Message::COMMAND_LONG(data) => Some(format!("{:?}", data.command)),
+        Message::COMMAND_INT(data) => Some(format!("{:?}", data.command)),
+        _ => None,
+    }
+}
+
 pub fn acknowledgement(messages: &[Message]) -> Option<COMMAND_ACK_DATA> {
     let mut acks = messages.iter().filter_map(|message| match message {
         Message::COMMAND_ACK(ack) => Some(ack.clone()),
