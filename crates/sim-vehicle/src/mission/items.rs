@@ -41,8 +41,13 @@ pub(super) fn has_place(command: u16) -> bool {
         || REGIONS.contains(&command)
 }
 
-/// Whether AUTO can fly an item of a mission whose items `flown` are flown; the result code that says why not. As ArduPlane's, and
-/// beyond it: numbers must be such that the item can be flown.
+/// Whether param 4 of an item is a heading, which ground stations leave NaN.
+pub(crate) fn has_heading(command: u16) -> bool {
+    matches!(command, WAYPOINT | LOITER_UNLIM | LAND | TAKEOFF)
+}
+
+/// Whether AUTO can fly an item of a mission whose items `flown` are flown; the result code that says why not. As
+/// ArduPlane's, and beyond it: numbers must be such that the item can be flown.
 pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMissionResult> {
     let is_known = has_place(item.command)
         || matches!(item.command, RETURN_TO_LAUNCH | JUMP | CHANGE_SPEED | FENCE_ENABLE | TAG | JUMP_TO_TAG)
@@ -56,8 +61,7 @@ pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMission
         MavMissionResult::MAV_MISSION_INVALID_PARAM3,
         MavMissionResult::MAV_MISSION_INVALID_PARAM4,
     ];
-    // Param 4 of these is a heading, which ground stations leave NaN.
-    let has_heading = matches!(item.command, WAYPOINT | LOITER_UNLIM | LAND | TAKEOFF);
+    let has_heading = has_heading(item.command);
     for (index, (param, result)) in item.params.iter().zip(INVALID).enumerate() {
         if param.is_infinite() || param.is_nan() && !(has_heading && index == 3) {
             return Err(result);

@@ -5,7 +5,7 @@ mod items;
 mod landing;
 
 pub(crate) use auto::Progress;
-pub(crate) use items::{LAND_START, RETURN_PATH_START, WAYPOINT, check};
+pub(crate) use items::{LAND_START, RETURN_PATH_START, WAYPOINT, check, has_heading};
 
 use mavlink_bridge::PlanItem;
 

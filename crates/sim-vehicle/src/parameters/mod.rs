@@ -95,7 +95,7 @@ impl Parameters {
     }
 
     /// The value that a writer means who gives a type with it, which ArduPilot does not look at.
-    pub fn from_wire(&self, parameter: Parameter, value: f32, kind: u8) -> Result<f32, ParameterRefused> {
+    pub fn read_wire(&self, parameter: Parameter, value: f32, kind: u8) -> Result<f32, ParameterRefused> {
         if self.personality == Personality::Px4 && kind != self.kind(parameter) as u8 {
             return Err(ParameterRefused::Type(self.name(parameter)));
         }
@@ -239,10 +239,10 @@ mod tests {
         let parameters = Parameters::new(&settings);
         let id = parameters.named("MAV_SYS_ID").unwrap();
         assert_eq!(parameters.to_wire(id, 7.0).to_bits(), 7);
-        assert_eq!(parameters.from_wire(id, f32::from_bits(7), 6), Ok(7.0));
-        assert_eq!(parameters.from_wire(id, 7.0, 9), Err(ParameterRefused::Type("MAV_SYS_ID")));
+        assert_eq!(parameters.read_wire(id, f32::from_bits(7), 6), Ok(7.0));
+        assert_eq!(parameters.read_wire(id, 7.0, 9), Err(ParameterRefused::Type("MAV_SYS_ID")));
         let radius = parameters.named("NAV_LOITER_RAD").unwrap();
-        assert_eq!((parameters.to_wire(radius, -60.5), parameters.from_wire(radius, -60.5, 9)), (-60.5, Ok(-60.5)));
+        assert_eq!((parameters.to_wire(radius, -60.5), parameters.read_wire(radius, -60.5, 9)), (-60.5, Ok(-60.5)));
         for other in ["MAV_SYSID", "WP_LOITER_RAD", "FS_GCS_ENABL"] {
             assert_eq!(parameters.named(other), None);
         }

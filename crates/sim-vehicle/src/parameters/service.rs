@@ -60,7 +60,7 @@ impl Vehicle {
             },
             ParameterRequest::Set { name, value, kind } => match self.parameters.named(name) {
                 Some(parameter) => {
-                    let value = self.parameters.from_wire(parameter, *value, *kind);
+                    let value = self.parameters.read_wire(parameter, *value, *kind);
                     self.write_parameter(link, sender, parameter, value);
                 }
                 None => self.refuse_unknown(link, sender, name),

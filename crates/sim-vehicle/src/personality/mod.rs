@@ -11,9 +11,11 @@ pub(crate) mod px4;
 mod targets;
 
 use crate::commands::{Command, Refusal};
+use crate::mission;
 use crate::parameters::Parameter;
 use crate::streams::Stream;
 use crate::{Mode, Vehicle};
+use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{
     MavAutopilot, MavModeFlag, MavParamType, MavProtocolCapability, SET_POSITION_TARGET_GLOBAL_INT_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA,
@@ -106,6 +108,20 @@ impl Personality {
         match self {
             Personality::ArduPlane => 1,
             Personality::Px4 | Personality::Generic => 0,
+        }
+    }
+
+    /// An item as it is understood: a param that is not a number is one left out, but to ArduPlane.
+    pub(crate) fn read_item(self, item: PlanItem) -> PlanItem {
+        match self {
+            Personality::ArduPlane => item,
+            Personality::Px4 | Personality::Generic => {
+                let mut params = item.params.map(|param| if param.is_nan() { 0.0 } else { param });
+                if mission::has_heading(item.command) {
+                    params[3] = item.params[3];
+                }
+                PlanItem { params, ..item }
+            }
         }
     }
 

@@ -128,6 +128,7 @@ impl Vehicle {
     }
 
     pub(super) fn take_item(&mut self, link: usize, sender: Target, kind: PlanKind, seq: u16, item: PlanItem) {
+        let item = self.settings.personality.read_item(item);
         let (now, writer) = (self.host_now, Writer { peer: self.links.peer(link), sender });
         let Some(upload) = self.uploads.of(kind) else {
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
