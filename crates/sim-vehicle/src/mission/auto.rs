@@ -6,7 +6,7 @@ use super::items::{
 };
 use crate::flight::TAKEOFF_TOLERANCE_M;
 use crate::parameters::Parameter;
-use crate::{Mode, Vehicle};
+use crate::{Mode, Personality, Vehicle};
 use flight_model::wrap_pi;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
@@ -123,7 +123,13 @@ impl Vehicle {
                 return;
             };
             if matches!(self.progress.leg, Leg::Begin) {
+                let seq = self.progress.current;
                 self.begin_item(&item);
+                // What needs no flying is reached too, but to ArduPlane.
+                let is_done = self.progress.current != seq && self.settings.personality != Personality::ArduPlane;
+                if is_done && item.command != JUMP {
+                    self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
+                }
             } else if self.is_leg_done() {
                 if item.command == TAKEOFF {
                     self.takeoff_changes_fence();
