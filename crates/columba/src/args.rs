@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use optimizer::Algorithm;
 use optimizer::suites::Suite;
-use sim_vehicle::NETWORK_VEHICLES_MAX;
+use sim_vehicle::{NETWORK_VEHICLES_MAX, Personality};
 use std::path::PathBuf;
 
 /// Flies a flock of UAVs over MAVLink: simulated vehicles, a ground controller that runs MSLPIO, and reports.
@@ -191,6 +191,9 @@ pub struct VehiclesArgs {
     /// Vehicles start on the ground, disarmed and in MANUAL, instead of in the air; as [autopilot] on_ground.
     #[arg(long, conflicts_with = "lockstep")]
     pub on_ground: bool,
+    /// Which autopilot the vehicles pass for; as [autopilot] personality.
+    #[arg(long, value_name = "AUTOPILOT", value_parser = personality())]
+    pub personality: Option<Personality>,
     /// Folder in which parameters that are set and plans that are uploaded survive a restart: vehicle-1.parm,
     /// vehicle-1-mission.txt and so on. By default they do not.
     #[arg(long, alias = "params-folder", value_name = "DIR")]
@@ -342,6 +345,14 @@ pub fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
     let keys = PossibleValuesParser::new(Algorithm::ALL.iter().map(|algorithm| algorithm.key()));
     keys.try_map(|key| {
         Algorithm::ALL.iter().copied().find(|algorithm| algorithm.key() == key).ok_or("no such optimiser")
+    })
+}
+
+/// A personality by its name.
+fn personality() -> impl TypedValueParser<Value = Personality> {
+    let names = PossibleValuesParser::new(Personality::ALL.map(Personality::name));
+    names.try_map(|name| {
+        Personality::ALL.into_iter().find(|personality| personality.name() == name).ok_or("no such autopilot")
     })
 }
 

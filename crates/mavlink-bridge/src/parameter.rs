@@ -2,7 +2,7 @@
 //! a `f32`, whatever type the parameter is of.
 //!
 //! Requests are read from the frame itself: ArduPilot does not look at the type that a writer gives, so that one which
-//! the dialect does not know must not hide the request.
+//! the dialect does not know must not hide the request. PX4 looks, and has integers by their bytes.
 
 use crate::dialect::{
     MavParamError, MavParamType, Message, PARAM_ERROR_DATA, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA,
@@ -27,8 +27,10 @@ pub enum ParameterRequest {
     Set {
         /// Name of the parameter.
         name: String,
-        /// The new value.
+        /// The new value, in the bits that it came in.
         value: f32,
+        /// The writer's MAV_PARAM_TYPE, in the dialect or not.
+        kind: u8,
     },
 }
 
@@ -48,7 +50,10 @@ pub fn parameter_request(frame: &Frame<'_>) -> Option<(Target, ParameterRequest)
         }
         PARAM_SET_DATA::ID => {
             let value = f32::from_le_bytes(four(0));
-            Some((frame.target_at(4), ParameterRequest::Set { name: name(frame, 6), value }))
+            Some((
+                frame.target_at(4),
+                ParameterRequest::Set { name: name(frame, 6), value, kind: frame.payload_byte(22) },
+            ))
         }
         _ => None,
     }
@@ -114,7 +119,7 @@ mod tests {
                 param_id: name.as_str().into(),
                 param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
             });
-            let Some((to, ParameterRequest::Set { name: read, value: v })) = journey(&set, version) else { panic!() };
+            let Some((to, ParameterRequest::Set { name: read, value: v, kind: 9 })) = journey(&set, version) else { panic!() };
             prop_assert_eq!((to, read, v.to_bits()), (target, name.clone(), value.to_bits()));
 
             let mut read = PARAM_REQUEST_READ_DATA {
@@ -146,7 +151,7 @@ mod tests {
         bytes[end..].copy_from_slice(&crc);
         let frame = frames(&bytes, &mut Counters::default()).next().unwrap();
         assert!(frame.message().is_err());
-        let expected = ParameterRequest::Set { name: "A?B".to_owned(), value: 2.0 };
+        let expected = ParameterRequest::Set { name: "A?B".to_owned(), value: 2.0, kind: 200 };
         assert_eq!(parameter_request(&frame), Some((Target::default(), expected)));
     }
 }

@@ -57,7 +57,7 @@ impl Vehicle {
     /// Why the vehicle would not arm now, if so.
     pub(crate) fn against_arming(&self) -> Option<String> {
         let lands_by_rtl = self.parameters.get(Parameter::RtlAutoland) != 0.0;
-        let contains = |command: u16| self.mission.items.iter().skip(1).any(|item| item.command == command);
+        let contains = |command: u16| self.mission.numbered().any(|(_, item)| item.command == command);
         if self.flight.is_armed() {
             None
         } else if self.mode() == Mode::Rtl {
@@ -74,7 +74,7 @@ impl Vehicle {
     }
 
     /// Arms it. On the ground home is where it stands, unless somebody has set another.
-    fn arm(&mut self) {
+    pub(crate) fn arm(&mut self) {
         if self.flight.is_on_ground() && !self.home_is_set {
             self.set_home_here();
         }

@@ -17,12 +17,12 @@ use std::time::Duration;
 /// A command, whichever message carried it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Command {
-    command: MavCmd,
+    pub command: MavCmd,
     pub params: [f32; 4],
     /// Latitude and longitude of COMMAND_INT, 1e-7 degrees.
     pub place_e7: Option<(i32, i32)>,
     /// Params 5 and 6 of COMMAND_LONG.
-    place: [f32; 2],
+    pub place: [f32; 2],
     /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
     pub z: f32,
     pub frame: MavFrame,
@@ -92,7 +92,7 @@ impl Command {
 }
 
 impl Refusal {
-    fn new(result: MavResult, reason: impl Into<String>) -> Self {
+    pub fn new(result: MavResult, reason: impl Into<String>) -> Self {
         Self { result, reason: Some(reason.into()) }
     }
 
@@ -120,7 +120,7 @@ impl Refusal {
 }
 
 /// Params are compared as integers with what follows the point cut off, as ArduPlane does.
-fn integer(param: f32) -> i64 {
+pub(crate) fn integer(param: f32) -> i64 {
     param as i64
 }
 
@@ -130,11 +130,11 @@ fn limit_or_none(limit: f32) -> f64 {
 }
 
 /// A direction in degrees, in rad.
-fn angle_rad(degrees: f32) -> f64 {
+pub(crate) fn angle_rad(degrees: f32) -> f64 {
     flight_model::wrap_pi(f64::from(degrees).to_radians())
 }
 
-fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
+pub(crate) fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
     if values.iter().all(|value| value.is_finite()) {
         Ok(())
     } else {
@@ -145,6 +145,9 @@ fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
 impl Vehicle {
     /// Obeys a command that came over a link, or says why not; nothing is changed then.
     pub(crate) fn execute(&mut self, command: &Command, link: usize) -> Result<(), Refusal> {
+        if let Some(outcome) = self.execute_as_personality(command, link) {
+            return outcome;
+        }
         let [p1, p2, p3, _] = command.params;
         match command.command {
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm([p1, p2]),
@@ -193,7 +196,7 @@ impl Vehicle {
     }
 
     /// AUTO needs a mission.
-    fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
+    pub(crate) fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
         if mode == Mode::Auto && !self.mission.is_flyable() {
             return Err(Refusal::failed("Auto: no mission"));
         }

@@ -20,6 +20,7 @@ mod lockstep;
 mod mission;
 mod mode;
 mod parameters;
+mod personality;
 mod plans;
 mod rally;
 mod reposition;
@@ -35,6 +36,7 @@ pub use hosting::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer, por
 pub use mode::{Mode, NoSuchMode};
 pub use parameters::file::ParameterFileError;
 pub use parameters::{ParameterFault, check_parameters};
+pub use personality::Personality;
 pub use plans::{PlanFileError, Plans};
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
 pub use vehicle::{PeerId, SetpointRefused, Transmit, Vehicle};

@@ -149,12 +149,16 @@ impl Links {
     }
 
     fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
+        let mut schedule = Schedule::new(&self.settings.rates, time);
+        for &(stream, interval) in self.settings.personality.streams() {
+            schedule.set_interval(stream, Some(interval), time);
+        }
         self.links.push(Link {
             peer,
             permanent,
             heard,
             encoder: Encoder::new(self.settings.system_id, self.settings.component_id),
-            schedule: Schedule::new(&self.settings.rates, time),
+            schedule,
             open: Vec::new(),
             batch: Vec::new(),
         });

@@ -30,6 +30,10 @@ pub enum Mode {
     Guided,
     /// Lands where it was entered. ArduPlane has no such mode; other autopilots do.
     Land,
+    /// Holds course, altitude and speed, or those that commands give: PX4's Guided Course.
+    Course,
+    /// Follows a stream of setpoints: PX4's Offboard.
+    Offboard,
 }
 
 /// Names of ArduPlane's modes by number, so that a refusal can say what was asked.
@@ -63,7 +67,8 @@ const ARDUPLANE_MODES: [&str; 26] = [
 ];
 
 impl Mode {
-    const ALL: [Mode; 12] = [
+    /// The modes that ArduPlane has.
+    pub(crate) const ARDUPLANE: &[Mode] = &[
         Mode::Manual,
         Mode::Circle,
         Mode::Stabilize,
@@ -75,11 +80,10 @@ impl Mode {
         Mode::Loiter,
         Mode::Takeoff,
         Mode::Guided,
-        Mode::Land,
     ];
 
-    /// ArduPlane's number of this mode, as in the custom_mode of HEARTBEAT. LAND, which it does not have, is its nearest:
-    /// AUTO.
+    /// ArduPlane's number of this mode, as in the custom_mode of HEARTBEAT; of one that it does not have, that of the
+    /// nearest.
     pub fn number(self) -> u32 {
         match self {
             Mode::Manual => 0,
@@ -92,13 +96,18 @@ impl Mode {
             Mode::Rtl => 11,
             Mode::Loiter => 12,
             Mode::Takeoff => 13,
-            Mode::Guided => 15,
+            Mode::Guided | Mode::Course | Mode::Offboard => 15,
         }
     }
 
     /// The mode of an ArduPlane number, or why there is none.
     pub fn from_number(number: u32) -> Result<Self, NoSuchMode> {
-        Self::ALL.into_iter().find(|mode| mode.number() == number).ok_or(NoSuchMode(number))
+        Self::ARDUPLANE.iter().copied().find(|mode| mode.number() == number).ok_or(NoSuchMode(number))
+    }
+
+    /// Whether it follows the sticks.
+    pub fn is_manual(self) -> bool {
+        matches!(self, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise)
     }
 
     /// ArduPlane's name of this mode.
@@ -116,6 +125,8 @@ impl Mode {
             Mode::Takeoff => "TAKEOFF",
             Mode::Guided => "GUIDED",
             Mode::Land => "LAND",
+            Mode::Course => "COURSE",
+            Mode::Offboard => "OFFBOARD",
         }
     }
 }
@@ -146,7 +157,7 @@ mod tests {
 
     #[test]
     fn numbers_are_arduplanes() {
-        for mode in Mode::ALL.into_iter().filter(|mode| *mode != Mode::Land) {
+        for &mode in Mode::ARDUPLANE {
             assert_eq!(Mode::from_number(mode.number()), Ok(mode));
             assert_eq!(ARDUPLANE_MODES[mode.number() as usize], mode.name());
         }

@@ -40,11 +40,15 @@ impl Vehicle {
             return;
         }
         match message {
-            Ok(Message::HEARTBEAT(_)) => self.hear_heartbeat(sender.system_id),
+            Ok(Message::HEARTBEAT(data)) => {
+                self.hear_heartbeat(sender.system_id);
+                self.px4_hear_heartbeat(data.mavtype);
+            }
             Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
             Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
             Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
             Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
+            Ok(Message::SET_POSITION_TARGET_GLOBAL_INT(data)) => self.take_global_target(data),
             Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
             Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
             Ok(Message::REQUEST_DATA_STREAM(data)) => self.set_data_stream(link, data),
@@ -62,6 +66,9 @@ impl Vehicle {
     fn take_setpoint(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
         if self.lockstep.as_mut().is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, self.time)) {
             self.counters.setpoints_out_of_step += 1;
+            return;
+        }
+        if self.take_local_target(data) {
             return;
         }
         let result = self.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?));

@@ -1,6 +1,6 @@
 //! What a vehicle is told before it flies.
 
-use crate::{Mode, Plans};
+use crate::{Mode, Personality, Plans};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -12,6 +12,8 @@ pub struct VehicleSettings {
     pub system_id: u8,
     /// MAVLink component id; an autopilot's is 1.
     pub component_id: u8,
+    /// The autopilot that it passes for.
+    pub personality: Personality,
     /// Constants of Eq. 1 and 3.
     pub dynamics: Dynamics,
     /// Integration step.
@@ -124,6 +126,7 @@ impl Default for VehicleSettings {
         Self {
             system_id: 1,
             component_id: 1,
+            personality: Personality::default(),
             dynamics: Dynamics::default(),
             step: Duration::from_millis(10),
             start: State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() },

@@ -7,7 +7,8 @@ use crate::life::Life;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
 use crate::mission::{Mission, Progress};
-use crate::parameters::{Listings, Pace, Parameter, Parameters};
+use crate::parameters::{Listings, Pace, Parameters};
+use crate::personality::px4;
 use crate::plans::{PlanKind, Uploads};
 use crate::rally::Rally;
 use crate::services::target_system;
@@ -77,6 +78,7 @@ pub struct Vehicle {
     pub(crate) flown_at: Duration,
     /// Whether somebody has set home: then arming leaves it.
     pub(crate) home_is_set: bool,
+    pub(crate) px4: px4::State,
     pub(crate) counters: VehicleCounters,
     wire: Counters,
 }
@@ -121,7 +123,7 @@ impl Vehicle {
             parameters_changed: false,
             listings: Listings::default(),
             pace: Arc::default(),
-            mission: Mission::default(),
+            mission: Mission::new(settings.personality.first_mission_item()),
             progress: Progress::default(),
             fence: Fence::default(),
             rally: Rally::default(),
@@ -131,6 +133,7 @@ impl Vehicle {
             quiet_until: Duration::ZERO,
             flown_at: Duration::ZERO,
             home_is_set: false,
+            px4: px4::State::default(),
             counters: VehicleCounters::default(),
             wire: Counters::default(),
             settings,
@@ -143,6 +146,9 @@ impl Vehicle {
         let plans = std::mem::take(&mut vehicle.settings.plans);
         vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
+        let in_lockstep = vehicle.lockstep.is_some();
+        let first_mode = vehicle.settings.personality.first_mode(vehicle.mode(), in_lockstep);
+        vehicle.flight.set_mode(first_mode);
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
@@ -150,7 +156,7 @@ impl Vehicle {
 
     fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
         for (name, value) in values {
-            let known = Parameter::from_name(&name).ok_or(SettingsError::NoSuchParameter(name))?;
+            let known = self.parameters.named(&name).ok_or(SettingsError::NoSuchParameter(name))?;
             self.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
         }
         Ok(())
@@ -226,6 +232,7 @@ impl Vehicle {
         self.check_failsafes();
         self.check_fence();
         self.follow_mission();
+        self.follow_personality();
         self.with_instruments(Links::send_due_and_position);
         self.links.end_batch();
         if let Some(lockstep) = &mut self.lockstep {
@@ -288,7 +295,7 @@ impl Vehicle {
     /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
     /// station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafes.is_any()
+        self.failsafes.is_any() || self.px4.failsafe.is_some()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
@@ -326,6 +333,7 @@ impl Vehicle {
             self.check_failsafes();
             self.check_fence();
             self.follow_mission();
+            self.follow_personality();
             if self.time >= self.links.next_due() {
                 self.with_instruments(Links::send_due);
             }
@@ -347,6 +355,7 @@ impl Vehicle {
             self.mode_changes_fence();
         }
         self.failsafes.setpoints_lost = false;
+        self.px4.failsafe = None;
         self.restart_setpoint_timeout();
     }
 
@@ -384,11 +393,12 @@ impl Vehicle {
         let instruments = Instruments {
             time: self.time,
             system_id: self.settings.system_id,
+            personality: self.settings.personality,
             flight: &self.flight,
             frame: &self.settings.frame,
             mission: &self.mission,
             progress: &self.progress,
-            failsafe: self.failsafes.is_any(),
+            failsafe: self.is_in_failsafe(),
             life: &self.life,
             parameters: &self.parameters,
             battery_level: self.failsafes.battery.level(),

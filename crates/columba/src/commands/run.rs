@@ -56,7 +56,7 @@ fn over_udp(
         // Nobody else needs to find the vehicles of a run in lockstep, and several such runs share a machine.
         let base_port = scenario.link.vehicle_port.unwrap_or(if speed.is_some() { VEHICLE_PORT } else { 0 });
         let (observer, truth) = flying::truth(scenario.starts.len(), scenario.integration_step);
-        let vehicles = flying::vehicle_settings(scenario, Some(ground.address()?), epoch_us);
+        let vehicles = flying::led_vehicle_settings(scenario, Some(ground.address()?), epoch_us);
         // The link's impairment is the ground's: both directions pass there once.
         let settings = flying::host_settings(scenario, clock, base_port, LinkSettings::default());
         let (stop_vehicles, stopped) = watch::channel(false);

@@ -63,6 +63,7 @@ fn overrides(args: &VehiclesArgs) -> Overrides {
         vehicles_per_port: args.per_port,
         parameters: args.parameters.clone(),
         on_ground: args.on_ground,
+        personality: args.personality,
         ..Overrides::default()
     }
 }

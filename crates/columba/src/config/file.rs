@@ -298,6 +298,8 @@ pub struct AutopilotTable {
     pub armed: bool,
     /// Whether vehicles start on the ground, disarmed, instead of in the air.
     pub on_ground: bool,
+    /// Which autopilot `columba vehicles` passes for.
+    pub personality: sim_vehicle::Personality,
     /// HEARTBEAT.
     pub heartbeat_hz: f64,
     /// SYS_STATUS.
@@ -323,6 +325,7 @@ impl Default for AutopilotTable {
             loiter_radius_m,
             armed: true,
             on_ground: false,
+            personality: sim_vehicle::Personality::default(),
             heartbeat_hz: rates.heartbeat_hz,
             sys_status_hz: rates.sys_status_hz,
             system_time_hz: rates.system_time_hz,

@@ -6,6 +6,7 @@ use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
 use mavlink_bridge::ImpairmentSettings;
 use optimizer::{Algorithm, OptimizerSettings};
+use sim_vehicle::Personality;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::net::IpAddr;
@@ -98,6 +99,8 @@ pub struct Overrides {
     pub count: Option<usize>,
     /// `--on-ground`.
     pub on_ground: bool,
+    /// `--personality`.
+    pub personality: Option<Personality>,
     /// `--pattern`: how they are laid out.
     pub pattern: Option<Pattern>,
     /// `--swarm`: replaces the file's vehicles by those of a swarm file.
@@ -131,6 +134,7 @@ impl Overrides {
             flag("link.loss", "--loss", self.loss),
             flag("vehicles", "--count", self.count),
             flag("vehicles.count", "--count", self.count),
+            flag("autopilot.personality", "--personality", self.personality),
             flag("autopilot.on_ground", "--on-ground", self.on_ground.then_some("")),
             flag("vehicles", "--swarm", swarm),
         ]
@@ -145,6 +149,7 @@ impl Overrides {
         replace(&mut file.link.vehicle_port, self.vehicle_port);
         replace(&mut file.link.ground_port, self.ground_port);
         file.autopilot.on_ground |= self.on_ground;
+        file.autopilot.personality = self.personality.unwrap_or(file.autopilot.personality);
         file.scenario.seed = self.seed.unwrap_or(file.scenario.seed);
         file.scenario.duration_s = self.duration_s.unwrap_or(file.scenario.duration_s);
         file.preset = self.preset.unwrap_or(file.preset);

@@ -2,7 +2,7 @@
 //!
 //! States and setpoints are rounded as the wire would round them, so that a flight has the same bits as in lockstep.
 
-use super::{Ended, Progress, Recorder, Stop, vehicle_settings};
+use super::{Ended, Progress, Recorder, Stop, led_vehicle_settings};
 use crate::config::Scenario;
 use crate::flight::Flight;
 use anyhow::Context;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// Flies a scenario from beginning to end, or until `stop`.
 pub fn fly(scenario: &Scenario, progress: &Progress, stop: &Stop) -> anyhow::Result<Flight> {
     let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
-    let mut vehicles = vehicle_settings(scenario, None, super::LOCKSTEP_EPOCH_US)
+    let mut vehicles = led_vehicle_settings(scenario, None, super::LOCKSTEP_EPOCH_US)
         .into_iter()
         .map(|settings| Vehicle::new(sim_vehicle::VehicleSettings { ground: None, ..settings }))
         .collect::<Result<Vec<_>, _>>()?;

@@ -18,7 +18,7 @@ pub use progress::{Progress, progress_over};
 pub use real_time::{Pace, fly as fly_in_real_time};
 pub use recorder::{Ended, Recorder};
 pub use truth::{Truth, truth};
-pub use vehicles::{LOCKSTEP_EPOCH_US, clock, host_settings, network, ports, vehicle_settings};
+pub use vehicles::{LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, vehicle_settings};
 
 /// Lets go of a flight: holds true once someone asks it to end.
 pub type Stop = tokio::sync::watch::Receiver<bool>;

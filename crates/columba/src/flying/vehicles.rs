@@ -3,7 +3,8 @@
 use crate::config::Scenario;
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{
-    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, TelemetryRates, VehicleSettings, port_index,
+    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, TelemetryRates, VehicleSettings,
+    port_index,
 };
 use std::net::SocketAddr;
 use std::time::{Duration, SystemTime};
@@ -37,6 +38,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         seed: scenario.seed,
         number: index as u64,
         system_id: system_id(index),
+        personality: autopilot.personality,
         dynamics: scenario.dynamics,
         step: scenario.integration_step,
         start: *start,
@@ -61,6 +63,17 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         ..VehicleSettings::default()
     };
     scenario.starts.iter().enumerate().map(vehicle).collect()
+}
+
+/// The same for a flight that our own controller leads: it leads ArduPlanes.
+pub fn led_vehicle_settings(
+    scenario: &Scenario,
+    ground: Option<SocketAddr>,
+    clock_epoch_us: u64,
+) -> Vec<VehicleSettings> {
+    let personality = Personality::ArduPlane;
+    let vehicles = vehicle_settings(scenario, ground, clock_epoch_us).into_iter();
+    vehicles.map(|settings| VehicleSettings { personality, ..settings }).collect()
 }
 
 /// The clock of a scenario's vehicles and what it shows at time zero, in microseconds since the Unix epoch: `speed` times

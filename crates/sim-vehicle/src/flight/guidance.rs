@@ -1,6 +1,7 @@
 //! Where to: a course, a circle or a place.
 
 use super::circle::Circle;
+use super::ramp::Ramp;
 use super::{Flight, Stage, TAKEOFF_TOLERANCE_M};
 use crate::Mode;
 use flight_model::wrap_pi;
@@ -64,6 +65,17 @@ impl Flight {
     /// Straight on.
     pub fn hold_course(&mut self) {
         self.set_course(self.when_released().course_rad, f64::INFINITY);
+    }
+
+    /// Climbs at a rate, m/s, until it is told otherwise. Asked for again it changes nothing.
+    pub fn climb_at(&mut self, rate_mps: f64) {
+        // Further than it will ever climb or sink.
+        const FAR_M: f64 = 1e6;
+        self.altitude = Ramp {
+            value: self.altitude_to_climb_at(rate_mps),
+            target: if rate_mps == 0.0 { self.state.altitude_m } else { FAR_M.copysign(rate_mps) },
+            per_step: rate_mps.abs() * self.autopilot.step_s(),
+        };
     }
 
     /// The course setpoint of this moment, rad (any turn).

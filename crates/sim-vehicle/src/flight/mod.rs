@@ -349,14 +349,14 @@ impl Flight {
         self.set_course(now.course_rad, f64::INFINITY);
         let here = (now.x_m, now.y_m);
         match mode {
-            Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise => {}
+            Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise | Mode::Offboard => {}
             Mode::Takeoff => {
                 // From the ground, above the ground. Who is higher already stays there, as in ArduPlane.
                 let base_m = if self.is_on_ground() { now.altitude_m } else { self.home.altitude_m };
                 self.take_off((base_m + self.tuning.takeoff_altitude_m).max(now.altitude_m));
             }
             // The mission says where to; until then, as before.
-            Mode::Auto => self.fly_by_itself(),
+            Mode::Auto | Mode::Course => self.fly_by_itself(),
             Mode::Rtl => {
                 self.circle(self.rally.map_or(self.home.at(), |rally| rally.at), self.tuning.rtl_radius_m);
                 self.fly_by_itself();

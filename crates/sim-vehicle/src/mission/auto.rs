@@ -6,7 +6,7 @@ use super::items::{
 };
 use crate::flight::TAKEOFF_TOLERANCE_M;
 use crate::parameters::Parameter;
-use crate::{Mode, Vehicle};
+use crate::{Mode, Personality, Vehicle};
 use flight_model::wrap_pi;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
@@ -74,7 +74,7 @@ pub(super) struct Circled {
 impl Vehicle {
     /// AUTO has been set: it goes on with the current item, from its beginning.
     pub(crate) fn begin_mission(&mut self) {
-        if self.progress.is_complete || self.progress.current == 0 {
+        if self.progress.is_complete || self.progress.current < self.mission.first {
             self.reset_mission();
         }
         self.progress.leg = Leg::Begin;
@@ -82,7 +82,7 @@ impl Vehicle {
 
     /// AUTO will begin with the first item.
     pub(crate) fn reset_mission(&mut self) {
-        self.progress = Progress { current: self.mission.len().min(1), ..Progress::default() };
+        self.progress = Progress { current: self.mission.len().min(self.mission.first), ..Progress::default() };
     }
 
     /// Another mission begins at its beginning; a changed one goes on where it is.
@@ -92,7 +92,7 @@ impl Vehicle {
         }
         self.progress.leg = Leg::Begin;
         if self.mode() == Mode::Auto && !self.mission.is_flyable() {
-            self.end_mission("Mission cleared, RTL");
+            self.end_mission("Mission cleared");
         }
     }
 
@@ -101,7 +101,7 @@ impl Vehicle {
         if self.mission.get(seq).is_none() {
             return Err(format!("Mission: no item {seq}"));
         }
-        self.progress = Progress { current: seq.max(1), ..Progress::default() };
+        self.progress = Progress { current: seq.max(self.mission.first), ..Progress::default() };
         Ok(())
     }
 
@@ -119,11 +119,17 @@ impl Vehicle {
             }
             let Some(item) = self.mission.get(self.progress.current).copied() else {
                 self.progress.is_complete = true;
-                self.end_mission("Mission complete, RTL");
+                self.end_mission("Mission complete");
                 return;
             };
             if matches!(self.progress.leg, Leg::Begin) {
+                let seq = self.progress.current;
                 self.begin_item(&item);
+                // What needs no flying is reached too, but to ArduPlane.
+                let is_done = self.progress.current != seq && self.settings.personality != Personality::ArduPlane;
+                if is_done && item.command != JUMP {
+                    self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
+                }
             } else if self.is_leg_done() {
                 if item.command == TAKEOFF {
                     self.takeoff_changes_fence();
@@ -136,8 +142,10 @@ impl Vehicle {
     }
 
     fn end_mission(&mut self, text: &str) {
-        self.say(MavSeverity::MAV_SEVERITY_INFO, text);
-        self.set_mode(Mode::Rtl);
+        let personality = self.settings.personality;
+        let mode = personality.mode_after_mission();
+        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{text}, {}", personality.mode_name(mode)));
+        self.set_mode(mode);
     }
 
     fn end_leg(&mut self) {

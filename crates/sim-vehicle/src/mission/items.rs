@@ -2,6 +2,7 @@
 
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MavCmd, MavMissionResult};
+use std::ops::Range;
 
 pub(crate) const WAYPOINT: u16 = MavCmd::MAV_CMD_NAV_WAYPOINT as u32 as u16;
 pub(super) const LOITER_UNLIM: u16 = MavCmd::MAV_CMD_NAV_LOITER_UNLIM as u32 as u16;
@@ -40,9 +41,14 @@ pub(super) fn has_place(command: u16) -> bool {
         || REGIONS.contains(&command)
 }
 
-/// Whether AUTO can fly an item of a mission of `count` items; the result code that says why not. As ArduPlane's, and
-/// beyond it: numbers must be such that the item can be flown.
-pub(crate) fn check(item: &PlanItem, count: u16) -> Result<(), MavMissionResult> {
+/// Whether param 4 of an item is a heading, which ground stations leave NaN.
+pub(crate) fn has_heading(command: u16) -> bool {
+    matches!(command, WAYPOINT | LOITER_UNLIM | LAND | TAKEOFF)
+}
+
+/// Whether AUTO can fly an item of a mission whose items `flown` are flown; the result code that says why not. As
+/// ArduPlane's, and beyond it: numbers must be such that the item can be flown.
+pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMissionResult> {
     let is_known = has_place(item.command)
         || matches!(item.command, RETURN_TO_LAUNCH | JUMP | CHANGE_SPEED | FENCE_ENABLE | TAG | JUMP_TO_TAG)
         || WITHOUT_EFFECT.contains(&item.command);
@@ -55,8 +61,7 @@ pub(crate) fn check(item: &PlanItem, count: u16) -> Result<(), MavMissionResult>
         MavMissionResult::MAV_MISSION_INVALID_PARAM3,
         MavMissionResult::MAV_MISSION_INVALID_PARAM4,
     ];
-    // Param 4 of these is a heading, which ground stations leave NaN.
-    let has_heading = matches!(item.command, WAYPOINT | LOITER_UNLIM | LAND | TAKEOFF);
+    let has_heading = has_heading(item.command);
     for (index, (param, result)) in item.params.iter().zip(INVALID).enumerate() {
         if param.is_infinite() || param.is_nan() && !(has_heading && index == 3) {
             return Err(result);
@@ -68,7 +73,9 @@ pub(crate) fn check(item: &PlanItem, count: u16) -> Result<(), MavMissionResult>
     let [p1, p2, ..] = item.params;
     match item.command {
         LOITER_TURNS | LOITER_TIME if p1 < 0.0 => Err(MavMissionResult::MAV_MISSION_INVALID_PARAM1),
-        JUMP if !(1.0..f32::from(count)).contains(&p1) => Err(MavMissionResult::MAV_MISSION_INVALID_PARAM1),
+        JUMP if !(f32::from(flown.start)..f32::from(flown.end)).contains(&p1) => {
+            Err(MavMissionResult::MAV_MISSION_INVALID_PARAM1)
+        }
         // -1: as it is, -2: the usual one.
         CHANGE_SPEED if p2 <= 0.0 && p2 != -1.0 && p2 != -2.0 => Err(MavMissionResult::MAV_MISSION_INVALID_PARAM2),
         _ => Ok(()),
@@ -110,7 +117,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_flown_is_refused_by_its_code() {
-        assert_eq!(check(&GOOD, 2), Ok(()));
+        assert_eq!(check(&GOOD, 1..2), Ok(()));
         for (item, result) in [
             (PlanItem { command: 82, ..GOOD }, MavMissionResult::MAV_MISSION_UNSUPPORTED),
             (PlanItem { command: 60_000, ..GOOD }, MavMissionResult::MAV_MISSION_UNSUPPORTED),
@@ -130,7 +137,7 @@ mod tests {
                 MavMissionResult::MAV_MISSION_INVALID_PARAM2,
             ),
         ] {
-            assert_eq!(check(&item, 2), Err(result), "{item:?}");
+            assert_eq!(check(&item, 1..2), Err(result), "{item:?}");
         }
     }
 
@@ -138,7 +145,11 @@ mod tests {
     fn what_has_no_place_needs_neither_frame_nor_altitude() {
         for command in [RETURN_TO_LAUNCH, CHANGE_SPEED, 93, 206, 2000] {
             let params = [1.0, 2.0, 0.0, 0.0];
-            assert_eq!(check(&PlanItem { command, params, frame: 2, z_m: f32::NAN, ..GOOD }, 2), Ok(()), "{command}");
+            assert_eq!(
+                check(&PlanItem { command, params, frame: 2, z_m: f32::NAN, ..GOOD }, 1..2),
+                Ok(()),
+                "{command}"
+            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Whether the parameters that settings start with are the vehicle's, and in their ranges; for those who check settings
 //! before anything flies.
 
-use super::{Parameter, ParameterRefused, Parameters};
+use super::{ParameterRefused, Parameters};
 use crate::VehicleSettings;
 
 /// A parameter that a vehicle does not take at the start.
@@ -19,14 +19,14 @@ pub struct ParameterFault {
 pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
     let mut parameters = Parameters::new(settings);
     let mut refuse = |name: &str, value: f32| {
-        let refused = match Parameter::from_name(name) {
+        let refused = match parameters.named(name) {
             Some(parameter) => parameters.set(parameter, value),
             None => Err(ParameterRefused::Unknown(name.to_owned())),
         };
         let wanted = match refused.err()? {
             ParameterRefused::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
             ParameterRefused::ReadOnly(_) => "left out: it is only read".to_owned(),
-            ParameterRefused::NotFinite(_) => "a finite number".to_owned(),
+            ParameterRefused::Type(_) | ParameterRefused::NotFinite(_) => "a finite number".to_owned(),
             ParameterRefused::Range { least, most, .. } => format!("a number from {least} to {most}"),
         };
         Some(ParameterFault { name: name.to_owned(), value, wanted })

@@ -13,8 +13,8 @@ pub(crate) use pace::Pace;
 pub(crate) use service::Listings;
 pub(crate) use table::{Effect, Parameter};
 
-use crate::VehicleSettings;
 use crate::flight::Tuning;
+use crate::{Personality, VehicleSettings};
 use mavlink_bridge::dialect::MavParamType;
 
 /// Why a value is not taken.
@@ -24,6 +24,8 @@ pub(crate) enum ParameterRefused {
     Unknown(String),
     #[error("Param write denied ({0})")]
     ReadOnly(&'static str),
+    #[error("{0} is of another type")]
+    Type(&'static str),
     #[error("{0} is not a finite number")]
     NotFinite(&'static str),
     #[error("{name} {value} is outside [{least}, {most}]")]
@@ -33,6 +35,9 @@ pub(crate) enum ParameterRefused {
 /// The values of one vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Parameters {
+    personality: Personality,
+    /// Those that the personality has.
+    list: Vec<Parameter>,
     values: [f32; Parameter::COUNT],
     /// Whether somebody has set it: then it is worth keeping.
     is_set: [bool; Parameter::COUNT],
@@ -52,6 +57,8 @@ impl Parameters {
             *value = (parameter.row().initial)(settings);
         }
         Self {
+            personality: settings.personality,
+            list: settings.personality.parameters(),
             values,
             is_set: [false; Parameter::COUNT],
             is_default: [false; Parameter::COUNT],
@@ -61,20 +68,58 @@ impl Parameters {
         }
     }
 
+    /// Those that the vehicle has, in the order of their indices.
+    pub fn list(&self) -> &[Parameter] {
+        &self.list
+    }
+
+    /// The parameter of a name, if the vehicle has it.
+    pub fn named(&self, name: &str) -> Option<Parameter> {
+        self.list.iter().copied().find(|parameter| self.name(*parameter) == name)
+    }
+
+    /// What the vehicle calls a parameter.
+    pub fn name(&self, parameter: Parameter) -> &'static str {
+        self.personality.parameter(parameter).0
+    }
+
+    /// Of which type the vehicle has a parameter.
+    pub fn kind(&self, parameter: Parameter) -> MavParamType {
+        self.personality.parameter(parameter).1
+    }
+
+    /// A value as it stands on the wire: as a number, or in a PX4 an integer by its bytes
+    /// (<https://mavlink.io/en/services/parameter.html#parameter-encoding>).
+    pub fn to_wire(&self, parameter: Parameter, value: f32) -> f32 {
+        if self.is_bytewise(parameter) { f32::from_bits(value as i32 as u32) } else { value }
+    }
+
+    /// The value that a writer means who gives a type with it, which ArduPilot does not look at.
+    pub fn read_wire(&self, parameter: Parameter, value: f32, kind: u8) -> Result<f32, ParameterRefused> {
+        if self.personality == Personality::Px4 && kind != self.kind(parameter) as u8 {
+            return Err(ParameterRefused::Type(self.name(parameter)));
+        }
+        Ok(if self.is_bytewise(parameter) { value.to_bits() as i32 as f32 } else { value })
+    }
+
+    fn is_bytewise(&self, parameter: Parameter) -> bool {
+        self.personality == Personality::Px4 && self.kind(parameter) != MavParamType::MAV_PARAM_TYPE_REAL32
+    }
+
     pub fn get(&self, parameter: Parameter) -> f32 {
         self.values[parameter as usize]
     }
 
     /// Takes a new value, rounded if the parameter is of a whole type.
     pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
-        let name = parameter.name();
+        let name = self.name(parameter);
         if parameter.is_read_only() {
             return Err(ParameterRefused::ReadOnly(name));
         }
         if !value.is_finite() {
             return Err(ParameterRefused::NotFinite(name));
         }
-        let real = parameter.kind() == MavParamType::MAV_PARAM_TYPE_REAL32;
+        let real = self.kind(parameter) == MavParamType::MAV_PARAM_TYPE_REAL32;
         let value = if real { value } else { value.round() };
         let (least, most) = self.range(parameter);
         if !(least..=most).contains(&value) {
@@ -95,7 +140,7 @@ impl Parameters {
     pub fn kept(&self) -> impl Iterator<Item = (&'static str, f32)> {
         let is_kept = |parameter: Parameter| self.is_set[parameter as usize] && !self.is_default[parameter as usize];
         let kept = Parameter::ALL.iter().copied().filter(move |parameter| is_kept(*parameter));
-        kept.map(|parameter| (parameter.name(), self.get(parameter)))
+        kept.map(|parameter| (self.name(parameter), self.get(parameter)))
     }
 
     /// What the parameters make of the flight; what nobody has set stays as the settings have it, to the last bit.
@@ -186,6 +231,22 @@ mod tests {
         parameters.set(Parameter::LoiterRadius, -79.6).unwrap();
         parameters.set(Parameter::AirspeedCruise, 11.25).unwrap();
         assert_eq!(parameters.kept().collect::<Vec<_>>(), [("AIRSPEED_CRUISE", 11.25), ("WP_LOITER_RAD", -80.0)]);
+    }
+
+    #[test]
+    fn a_px4_has_its_own_names_and_writes_integers_by_their_bytes() {
+        let settings = VehicleSettings { personality: Personality::Px4, ..VehicleSettings::default() };
+        let parameters = Parameters::new(&settings);
+        let id = parameters.named("MAV_SYS_ID").unwrap();
+        assert_eq!(parameters.to_wire(id, 7.0).to_bits(), 7);
+        assert_eq!(parameters.read_wire(id, f32::from_bits(7), 6), Ok(7.0));
+        assert_eq!(parameters.read_wire(id, 7.0, 9), Err(ParameterRefused::Type("MAV_SYS_ID")));
+        let radius = parameters.named("NAV_LOITER_RAD").unwrap();
+        assert_eq!((parameters.to_wire(radius, -60.5), parameters.read_wire(radius, -60.5, 9)), (-60.5, Ok(-60.5)));
+        for other in ["MAV_SYSID", "WP_LOITER_RAD", "FS_GCS_ENABL"] {
+            assert_eq!(parameters.named(other), None);
+        }
+        assert_eq!(self::parameters().named("COM_OF_LOSS_T"), None);
     }
 
     #[test]

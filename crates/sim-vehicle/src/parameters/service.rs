@@ -39,7 +39,7 @@ impl Vehicle {
                 self.send_listings();
             }
             ParameterRequest::ReadIndex(index) => {
-                match usize::try_from(*index).ok().and_then(|i| Parameter::ALL.get(i)) {
+                match usize::try_from(*index).ok().and_then(|i| self.parameters.list().get(i)) {
                     Some(&parameter) => self.send_parameter(link, parameter, u16::try_from(*index).ok()),
                     None => {
                         let reason = format!("No parameter of index {index}");
@@ -54,12 +54,15 @@ impl Vehicle {
                     }
                 }
             }
-            ParameterRequest::ReadName(name) => match Parameter::from_name(name) {
+            ParameterRequest::ReadName(name) => match self.parameters.named(name) {
                 Some(parameter) => self.send_parameter(link, parameter, None),
                 None => self.refuse_unknown(link, sender, name),
             },
-            ParameterRequest::Set { name, value } => match Parameter::from_name(name) {
-                Some(parameter) => self.write_parameter(link, sender, parameter, *value),
+            ParameterRequest::Set { name, value, kind } => match self.parameters.named(name) {
+                Some(parameter) => {
+                    let value = self.parameters.read_wire(parameter, *value, *kind);
+                    self.write_parameter(link, sender, parameter, value);
+                }
                 None => self.refuse_unknown(link, sender, name),
             },
         }
@@ -70,16 +73,14 @@ impl Vehicle {
         let mut listings = std::mem::take(&mut self.listings);
         listings.0.retain_mut(|listing| {
             let Some(link) = self.links.of_peer(listing.peer) else { return false };
-            while listing.due <= self.host_now && listing.next < Parameter::COUNT {
-                for (index, parameter) in
-                    Parameter::ALL.iter().copied().enumerate().skip(listing.next).take(PARAMETERS_AT_ONCE)
-                {
-                    self.send_parameter(link, parameter, u16::try_from(index).ok());
+            while listing.due <= self.host_now && listing.next < self.parameters.list().len() {
+                for index in (listing.next..self.parameters.list().len()).take(PARAMETERS_AT_ONCE) {
+                    self.send_parameter(link, self.parameters.list()[index], u16::try_from(index).ok());
                 }
                 listing.next += PARAMETERS_AT_ONCE;
                 listing.due = self.pace.reserve(listing.peer, self.host_now);
             }
-            listing.next < Parameter::COUNT
+            listing.next < self.parameters.list().len()
         });
         self.listings = listings;
     }
@@ -105,10 +106,16 @@ impl Vehicle {
         Ok(())
     }
 
-    fn write_parameter(&mut self, link: usize, sender: Target, parameter: Parameter, value: f32) {
+    fn write_parameter(
+        &mut self,
+        link: usize,
+        sender: Target,
+        parameter: Parameter,
+        value: Result<f32, ParameterRefused>,
+    ) {
         // Everybody hears of a change, from the system that they know.
         let before = self.settings.system_id;
-        match self.set_parameter(parameter, value) {
+        match value.and_then(|value| self.set_parameter(parameter, value)) {
             Ok(()) => {
                 let after = self.settings.system_id;
                 self.links.set_system_id(before);
@@ -118,9 +125,10 @@ impl Vehicle {
             Err(refused) => {
                 let error = match refused {
                     ParameterRefused::ReadOnly(_) => MavParamError::MAV_PARAM_ERROR_READ_ONLY,
+                    ParameterRefused::Type(_) => MavParamError::MAV_PARAM_ERROR_TYPE_MISMATCH,
                     _ => MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
                 };
-                self.refuse_parameter(link, sender, parameter.name(), -1, error, &refused.to_string());
+                self.refuse_parameter(link, sender, self.parameters.name(parameter), -1, error, &refused.to_string());
                 self.send_parameter(link, parameter, None);
             }
         }
@@ -155,8 +163,9 @@ impl Vehicle {
     }
 
     fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
-        let value = self.parameter_value(parameter);
-        parameter_value(parameter.name(), parameter.kind(), value, Parameter::COUNT as u16, index)
+        let value = self.parameters.to_wire(parameter, self.parameter_value(parameter));
+        let (name, kind) = (self.parameters.name(parameter), self.parameters.kind(parameter));
+        parameter_value(name, kind, value, self.parameters.list().len() as u16, index)
     }
 
     fn refuse_unknown(&mut self, link: usize, sender: Target, name: &str) {

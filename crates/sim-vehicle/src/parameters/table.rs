@@ -1,9 +1,9 @@
 //! The list of parameters: one row for each, in the order of their indices.
 
 use super::Parameters;
-use crate::VehicleSettings;
 use crate::flight::TAKEOFF_ALTITUDE_M;
 use crate::streams::Stream;
+use crate::{Personality, VehicleSettings};
 use mavlink_bridge::dialect::MavParamType;
 use mavlink_bridge::dialect::MavParamType::{
     MAV_PARAM_TYPE_INT8 as INT8, MAV_PARAM_TYPE_INT16 as INT16, MAV_PARAM_TYPE_INT32 as INT32,
@@ -99,7 +99,7 @@ parameters! {
     RtlAltitude: "RTL_ALTITUDE", REAL, |_| -1.0, |_| (-1.0, 10_000.0), Effect::Tuning;
     TakeoffAltitude: "TKOFF_ALT", REAL, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
     RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
-    DisarmDelay: "LAND_DISARMDELAY", INT8, |_| 20.0, |_| (0.0, 127.0), Effect::LookedUp;
+    DisarmDelay: "LAND_DISARMDELAY", INT8, |s| if s.personality == Personality::Px4 { 2.0 } else { 20.0 }, |_| (0.0, 127.0), Effect::LookedUp;
 
     // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;
@@ -163,12 +163,22 @@ parameters! {
     RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
 
     RunTime: "STAT_RUNTIME", INT32, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+
+    // PX4's own: see personality/px4/.
+    OffboardTimeout: "COM_OF_LOSS_T", REAL, |_| 1.0, |_| (0.0, 60.0), Effect::LookedUp;
+    OffboardLossAction: "COM_OBL_RC_ACT", INT32, |_| 0.0, |_| (0.0, 5.0), Effect::LookedUp;
+    DataLinkLossAction: "NAV_DLL_ACT", INT32, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;
+    DataLinkTimeout: "COM_DL_LOSS_T", INT32, |_| 10.0, |_| (5.0, 300.0), Effect::LookedUp;
+    DataLinkExceptions: "COM_DLL_EXCEPT", INT32, |_| 0.0, |_| (0.0, 7.0), Effect::LookedUp;
+    FailsafeDelay: "COM_FAIL_ACT_T", REAL, |_| 5.0, |_| (0.0, 25.0), Effect::LookedUp;
+    PreflightDisarmDelay: "COM_DISARM_PRFLT", REAL, |_| 10.0, |_| (-1.0, 3600.0), Effect::LookedUp;
 }
 
 /// Radii are whole metres of 16 bits.
 const RADIUS_MAX_M: f32 = i16::MAX as f32;
 
 impl Parameter {
+    #[cfg(test)]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|parameter| parameter.name() == name)
     }

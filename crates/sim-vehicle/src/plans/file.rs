@@ -103,7 +103,8 @@ fn parse(kind: PlanKind, text: &str) -> Result<Vec<PlanItem>, (usize, String)> {
         numbers.push(index + 1);
     }
     let at = |seq: usize| numbers.get(seq).or(numbers.last()).copied().unwrap_or(1);
-    check_items(kind, &items).map_err(|(seq, reason)| (at(seq), reason))?;
+    // Whether item 0 is home is the vehicle's to say, which looks at them again.
+    check_items(kind, &items, 1).map_err(|(seq, reason)| (at(seq), reason))?;
     Ok(items)
 }
 

@@ -95,11 +95,12 @@ impl PlanKind {
     }
 
     /// Whether an item can be one of `count` in this plan; the result code that says why not.
-    pub fn check(self, seq: u16, item: &PlanItem, count: u16) -> Result<(), MavMissionResult> {
+    /// `first` is that of the items of a mission that are flown.
+    pub fn check(self, seq: u16, item: &PlanItem, count: u16, first: u16) -> Result<(), MavMissionResult> {
         match self {
             // Home is what it is.
-            Self::Mission if seq == 0 => Ok(()),
-            Self::Mission => mission::check(item, count),
+            Self::Mission if seq < first => Ok(()),
+            Self::Mission => mission::check(item, first..count),
             Self::Fence => fence::check(item),
             Self::Rally => rally::check(item),
         }
@@ -135,7 +136,7 @@ impl Vehicle {
     pub(crate) fn restore_plans(&mut self, mut plans: Plans) -> Result<(), SettingsError> {
         for kind in PlanKind::ALL {
             let items = plans.take(kind);
-            check_items(kind, &items).map_err(|(_, reason)| SettingsError::Plan(reason))?;
+            check_items(kind, &items, self.mission.first).map_err(|(_, reason)| SettingsError::Plan(reason))?;
             let refused = |reason| SettingsError::Plan(format!("{} refused: {reason}", kind.name()));
             self.replace_plan(kind, items, true).map_err(refused)?;
         }
@@ -200,7 +201,7 @@ impl Vehicle {
     /// An item outside a mission, as clients steered before there were commands for it: fly there now, or only climb.
     fn fly_to_item(&mut self, link: usize, sender: Target, item: &PlanItem, there: bool) {
         let kind = PlanKind::Mission;
-        if let Err(result) = mission::check(item, 0) {
+        if let Err(result) = mission::check(item, 0..0) {
             self.refuse_plan(link, sender, kind, result);
         } else if self.mode() != Mode::Guided {
             self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Guided item: mode is {}", self.mode()));
@@ -225,7 +226,7 @@ impl Vehicle {
     }
 
     fn send_item(&mut self, link: usize, to: Target, kind: PlanKind, seq: u16, item_kind: ItemKind) {
-        let is_home = kind == PlanKind::Mission && seq == 0;
+        let is_home = kind == PlanKind::Mission && seq < self.mission.first;
         let item = if is_home { Some(self.home_item()) } else { self.plan(kind).get(usize::from(seq)).copied() };
         let Some(item) = item else {
             // ArduPilot tells how many there are.
@@ -289,14 +290,14 @@ impl Vehicle {
 }
 
 /// Whether items can be a plan; the index of the one that cannot, of the first too many or of their end, and why.
-fn check_items(kind: PlanKind, items: &[PlanItem]) -> Result<(), (usize, String)> {
+fn check_items(kind: PlanKind, items: &[PlanItem], first: u16) -> Result<(), (usize, String)> {
     let count = u16::try_from(items.len()).unwrap_or(u16::MAX);
     if count > kind.items_max() {
         let most = kind.items_max();
         return Err((usize::from(most), format!("{} refused: more than {most} items", kind.name())));
     }
     for (seq, item) in (0..count).zip(items) {
-        kind.check(seq, item, count)
+        kind.check(seq, item, count, first)
             .map_err(|result| (usize::from(seq), format!("{}: item {seq}", refusal(kind.name(), result))))?;
     }
     if kind == PlanKind::Fence {

@@ -128,6 +128,7 @@ impl Vehicle {
     }
 
     pub(super) fn take_item(&mut self, link: usize, sender: Target, kind: PlanKind, seq: u16, item: PlanItem) {
+        let item = self.settings.personality.read_item(item);
         let (now, writer) = (self.host_now, Writer { peer: self.links.peer(link), sender });
         let Some(upload) = self.uploads.of(kind) else {
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
@@ -147,7 +148,7 @@ impl Vehicle {
             // As in ArduPilot, the upload goes on with the item that was asked for.
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
         } else if seq == next {
-            if let Err(result) = kind.check(seq, &item, total) {
+            if let Err(result) = kind.check(seq, &item, total, self.mission.first) {
                 *self.uploads.of(kind) = None;
                 self.refuse_plan(link, sender, kind, result);
                 return;

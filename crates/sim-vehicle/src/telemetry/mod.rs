@@ -2,7 +2,6 @@
 
 mod sensors;
 
-use crate::Mode;
 use crate::failsafe::BatteryLevel;
 use crate::fence::FenceReport;
 use crate::flight::Flight;
@@ -10,11 +9,11 @@ use crate::life::{GpsSettings, Life, Readings, SensorSettings, tick};
 use crate::mission::{Mission, Progress};
 use crate::parameters::{Parameter, Parameters};
 use crate::streams::Stream;
+use crate::{Mode, Personality};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavAutopilot, MavLandedState, MavModeFlag,
-    MavProtocolCapability, MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState,
-    SYS_STATUS_DATA,
+    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavLandedState, MavProtocolCapability, MavState,
+    MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
 };
 use mavlink_bridge::{ArduPilotMessage, local_position_ned, telemetry};
 use std::time::Duration;
@@ -23,6 +22,7 @@ use std::time::Duration;
 pub(crate) struct Instruments<'a> {
     pub time: Duration,
     pub system_id: u8,
+    pub personality: Personality,
     pub flight: &'a Flight,
     pub mission: &'a Mission,
     pub progress: &'a Progress,
@@ -49,9 +49,9 @@ impl Instruments<'_> {
         match stream {
             Stream::Heartbeat => telemetry::heartbeat(
                 MavType::MAV_TYPE_FIXED_WING,
-                MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
-                base_mode(self.flight.mode(), self.flight.is_armed()),
-                self.flight.mode().number(),
+                self.personality.autopilot(),
+                self.personality.base_mode(self.flight.mode(), self.flight.is_armed()),
+                self.personality.custom_mode(self.flight.mode()),
                 self.status(),
             ),
             Stream::SysStatus => self.sys_status(),
@@ -97,7 +97,8 @@ impl Instruments<'_> {
             Stream::FenceStatus => self.fence_status(),
             Stream::ExtendedSysState => telemetry::extended_sys_state(self.landed_state()),
             Stream::AutopilotVersion => {
-                telemetry::autopilot_version(ARDUPLANE_VERSION, capabilities(), u64::from(self.system_id))
+                let capabilities = capabilities() | self.personality.capabilities();
+                telemetry::autopilot_version(self.personality.version(), capabilities, u64::from(self.system_id))
             }
             Stream::ProtocolVersion => telemetry::protocol_version(),
             Stream::GpsGlobalOrigin => telemetry::gps_global_origin(time, &origin),
@@ -183,7 +184,7 @@ impl Instruments<'_> {
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
             seq: self.progress.current,
             // Home is not counted.
-            total: self.mission.len().saturating_sub(1),
+            total: self.mission.len().saturating_sub(self.mission.first),
             mission_state,
             mission_mode: if is_flown { 1 } else { 2 },
             ..MISSION_CURRENT_DATA::DEFAULT
@@ -261,34 +262,15 @@ impl Instruments<'_> {
     }
 }
 
-/// The version whose names and answers the vehicle has.
-const ARDUPLANE_VERSION: [u8; 3] = [4, 7, 0];
-
 /// No more than there is: ground stations ask for what they are told of.
-#[allow(deprecated)] // older ones know only the first name of the parameters' encoding
 fn capabilities() -> MavProtocolCapability {
-    MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+    MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
-}
-
-/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE, 193 in MANUAL.
-fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
-    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED;
-    if mode != Mode::Manual {
-        flags |= MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
-    }
-    if !matches!(mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise) {
-        flags |= MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED;
-    }
-    flags.set(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, armed);
-    flags
 }
 
 #[cfg(test)]
@@ -305,7 +287,8 @@ mod tests {
             parameters: &parameters,
             battery_level: BatteryLevel::Ok,
             system_id: 1,
-            mission: &Mission::default(),
+            personality: Personality::default(),
+            mission: &Mission::new(1),
             progress: &Progress::default(),
             flight,
             frame: &VehicleSettings::default().frame,
@@ -330,14 +313,6 @@ mod tests {
             assert_eq!(id, stream.message_id());
             assert_eq!(Stream::from_message_id(stream.message_id()), Some(stream));
         }
-    }
-
-    #[test]
-    fn the_heartbeat_is_arduplanes() {
-        assert_eq!(base_mode(Mode::Guided, true).bits(), 217);
-        assert_eq!(base_mode(Mode::Cruise, true).bits(), 209);
-        assert_eq!(base_mode(Mode::Guided, false).bits(), 89);
-        assert_eq!(base_mode(Mode::Manual, true).bits(), 193);
     }
 
     #[test]

@@ -1,0 +1,222 @@
+//! Which autopilot a vehicle passes for: how it numbers its modes, what it says of itself, and which commands and
+//! setpoints it takes.
+//!
+//! What is here is what differs; all else is the same for all of them, and ArduPlane's. Each autopilot is one module,
+//! which reads as a page about it.
+
+mod arduplane;
+mod generic;
+mod modes;
+pub(crate) mod px4;
+mod targets;
+
+use crate::commands::{Command, Refusal};
+use crate::mission;
+use crate::parameters::Parameter;
+use crate::streams::Stream;
+use crate::{Mode, Vehicle};
+use mavlink_bridge::PlanItem;
+use mavlink_bridge::dialect::{
+    MavAutopilot, MavModeFlag, MavParamType, MavProtocolCapability, SET_POSITION_TARGET_GLOBAL_INT_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA,
+};
+use std::fmt;
+use std::time::Duration;
+
+/// The autopilot that a vehicle passes for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Personality {
+    /// ArduPlane 4.7.
+    #[default]
+    ArduPlane,
+    /// PX4 1.18 of a fixed wing.
+    Px4,
+    /// None in particular: MAV_AUTOPILOT_GENERIC, MAVLink's standard modes, all guided commands and setpoints.
+    Generic,
+}
+
+impl Personality {
+    /// All of them.
+    pub const ALL: [Personality; 3] = [Personality::ArduPlane, Personality::Px4, Personality::Generic];
+
+    /// Its name in scenarios and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Personality::ArduPlane => "arduplane",
+            Personality::Px4 => "px4",
+            Personality::Generic => "generic",
+        }
+    }
+
+    /// The number of a mode in HEARTBEAT.custom_mode.
+    pub fn custom_mode(self, mode: Mode) -> u32 {
+        match self {
+            Personality::ArduPlane => mode.number(),
+            Personality::Px4 => px4::custom_mode(mode),
+            Personality::Generic => generic::custom_mode(mode),
+        }
+    }
+
+    /// The autopilot's own name of a mode.
+    pub fn mode_name(self, mode: Mode) -> &'static str {
+        match self {
+            Personality::ArduPlane | Personality::Generic => mode.name(),
+            Personality::Px4 => px4::mode_name(mode),
+        }
+    }
+
+    pub(crate) fn autopilot(self) -> MavAutopilot {
+        match self {
+            Personality::ArduPlane => MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+            Personality::Px4 => MavAutopilot::MAV_AUTOPILOT_PX4,
+            Personality::Generic => MavAutopilot::MAV_AUTOPILOT_GENERIC,
+        }
+    }
+
+    /// The version whose names and answers the vehicle has.
+    pub(crate) fn version(self) -> [u8; 3] {
+        match self {
+            Personality::ArduPlane => arduplane::VERSION,
+            Personality::Px4 => px4::VERSION,
+            Personality::Generic => generic::VERSION,
+        }
+    }
+
+    pub(crate) fn base_mode(self, mode: Mode, armed: bool) -> MavModeFlag {
+        match self {
+            Personality::ArduPlane => arduplane::base_mode(mode, armed),
+            Personality::Px4 => px4::base_mode(mode, armed),
+            Personality::Generic => generic::base_mode(mode, armed),
+        }
+    }
+
+    /// How parameters are written, beside what every vehicle can do.
+    #[allow(deprecated)] // older ground stations know only the first name of the encoding
+    pub(crate) fn capabilities(self) -> MavProtocolCapability {
+        let encoding = match self {
+            Personality::ArduPlane | Personality::Generic => {
+                MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+            }
+            Personality::Px4 => MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE,
+        };
+        MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT | encoding
+    }
+
+    /// The index of the first item of a mission that is flown: ArduPlane's item 0 is home.
+    pub(crate) fn first_mission_item(self) -> u16 {
+        match self {
+            Personality::ArduPlane => 1,
+            Personality::Px4 | Personality::Generic => 0,
+        }
+    }
+
+    /// An item as it is understood: a param that is not a number is one left out, but to ArduPlane.
+    pub(crate) fn read_item(self, item: PlanItem) -> PlanItem {
+        match self {
+            Personality::ArduPlane => item,
+            Personality::Px4 | Personality::Generic => {
+                let mut params = item.params.map(|param| if param.is_nan() { 0.0 } else { param });
+                if mission::has_heading(item.command) {
+                    params[3] = item.params[3];
+                }
+                PlanItem { params, ..item }
+            }
+        }
+    }
+
+    /// What follows a mission.
+    pub(crate) fn mode_after_mission(self) -> Mode {
+        match self {
+            Personality::ArduPlane | Personality::Generic => Mode::Rtl,
+            Personality::Px4 => Mode::Loiter,
+        }
+    }
+
+    /// What it sends unasked beside what the settings say.
+    pub(crate) fn streams(self) -> &'static [(Stream, Duration)] {
+        const UNASKED: &[(Stream, Duration)] =
+            &[(Stream::HomePosition, Duration::from_secs(2)), (Stream::ExtendedSysState, Duration::from_millis(500))];
+        match self {
+            Personality::ArduPlane => &[],
+            Personality::Px4 | Personality::Generic => UNASKED,
+        }
+    }
+
+    /// Which parameters it has, in the order of their indices.
+    pub(crate) fn parameters(self) -> Vec<Parameter> {
+        let has = |parameter: &Parameter| match self {
+            Personality::ArduPlane | Personality::Generic => !px4::OWN_PARAMETERS.contains(parameter),
+            Personality::Px4 => !px4::ABSENT_PARAMETERS.contains(parameter),
+        };
+        Parameter::ALL.iter().copied().filter(has).collect()
+    }
+
+    /// What it calls a parameter, and of which type it has it.
+    pub(crate) fn parameter(self, parameter: Parameter) -> (&'static str, MavParamType) {
+        match self {
+            Personality::ArduPlane | Personality::Generic => (parameter.name(), parameter.kind()),
+            Personality::Px4 => px4::parameter(parameter),
+        }
+    }
+
+    /// The mode that it starts in where an ArduPlane starts in another: in lockstep a PX4 follows setpoints from the
+    /// beginning.
+    pub(crate) fn first_mode(self, mode: Mode, in_lockstep: bool) -> Mode {
+        match (self, mode) {
+            (Personality::Px4, Mode::Guided) if in_lockstep => Mode::Offboard,
+            (Personality::Px4, Mode::Guided | Mode::Manual) => Mode::Loiter,
+            _ => mode,
+        }
+    }
+}
+
+impl fmt::Display for Personality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Vehicle {
+    /// What the personality makes of a command, if it is not ArduPlane's answer.
+    pub(crate) fn execute_as_personality(&mut self, command: &Command, link: usize) -> Option<Result<(), Refusal>> {
+        match self.settings.personality {
+            Personality::ArduPlane => None,
+            Personality::Px4 => self.execute_px4(command),
+            Personality::Generic => self.execute_generic(command),
+        }
+        .or_else(|| self.execute_standard_mode(command, link))
+    }
+
+    /// Takes a SET_POSITION_TARGET_LOCAL_NED as the personality does; `false` if that is ArduPlane's way.
+    pub(crate) fn take_local_target(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> bool {
+        match self.settings.personality {
+            Personality::ArduPlane => return false,
+            Personality::Px4 => self.px4_take_local_target(data),
+            Personality::Generic => self.generic_take_local_target(data),
+        }
+        true
+    }
+
+    /// Takes a SET_POSITION_TARGET_GLOBAL_INT, which an ArduPlane does not need.
+    pub(crate) fn take_global_target(&mut self, data: &SET_POSITION_TARGET_GLOBAL_INT_DATA) {
+        match self.settings.personality {
+            Personality::ArduPlane => {}
+            Personality::Px4 => self.px4_take_global_target(data),
+            Personality::Generic => self.generic_take_global_target(data),
+        }
+    }
+
+    /// What the personality does by itself, looked at after each integration step.
+    pub(crate) fn follow_personality(&mut self) {
+        match self.settings.personality {
+            Personality::ArduPlane | Personality::Generic => {}
+            Personality::Px4 => self.follow_px4(),
+        }
+    }
+
+    /// The present mode, as the autopilot calls it.
+    pub(crate) fn mode_name(&self) -> &'static str {
+        self.settings.personality.mode_name(self.mode())
+    }
+}
