@@ -5,7 +5,7 @@ import time
 # After so long without anything new the lists are taken to be over; an answer that has not come by then is asked for again.
 QUIET_S = 0.3
 # Questions under way at a time.
-WINDOW = 100
+WINDOW = 400
 
 
 class Lists:

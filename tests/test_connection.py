@@ -72,8 +72,8 @@ def test_files_are_refused_at_once(craft):
 
 
 REQUEST, INTERVAL = mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
-# Newer than pymavlink's dialect.
-COMPONENT_METADATA = 397
+# Messages that this dialect of pymavlink does not name.
+PROTOCOL_VERSION, COMPONENT_INFORMATION, COMPONENT_METADATA, AVAILABLE_MODES, CURRENT_MODE = 300, 395, 397, 435, 436
 FTP_TERMINATE, FTP_RESET, FTP_LIST, FTP_OPEN, FTP_NAK, FTP_BURST = 1, 2, 3, 4, 129, 15
 
 
@@ -86,11 +86,11 @@ def qgroundcontrol():
     """
     yield "version", command(REQUEST, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION), ("AUTOPILOT_VERSION", ACCEPTED)
     yield "version, older", command(mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, 1), ("AUTOPILOT_VERSION", ACCEPTED)
-    yield "protocol", command(REQUEST, mavlink.MAVLINK_MSG_ID_PROTOCOL_VERSION), ("PROTOCOL_VERSION", ACCEPTED)
-    yield "standard modes", command(REQUEST, mavlink.MAVLINK_MSG_ID_AVAILABLE_MODES, 1), ("AVAILABLE_MODES", ACCEPTED)
-    yield "current mode", command(REQUEST, mavlink.MAVLINK_MSG_ID_CURRENT_MODE), ("CURRENT_MODE", ACCEPTED)
+    yield "protocol", command(REQUEST, PROTOCOL_VERSION), (None, ACCEPTED)
+    yield "standard modes", command(REQUEST, AVAILABLE_MODES, 1), ("COMMAND_ACK", None)
+    yield "current mode", command(REQUEST, CURRENT_MODE), ("COMMAND_ACK", None)
     yield "metadata", command(REQUEST, COMPONENT_METADATA), (None, FAILED)
-    yield "metadata, older", command(REQUEST, mavlink.MAVLINK_MSG_ID_COMPONENT_INFORMATION), (None, FAILED)
+    yield "metadata, older", command(REQUEST, COMPONENT_INFORMATION), (None, FAILED)
     yield "parameters as a file", ftp(FTP_OPEN, b"@PARAM/param.pck?withdefaults=1"), ("FILE_TRANSFER_PROTOCOL", None)
     yield "sessions", ftp(FTP_RESET), ("FILE_TRANSFER_PROTOCOL", None)
     yield "files", ftp(FTP_LIST, b"@MAV_LOG"), ("FILE_TRANSFER_PROTOCOL", None)
@@ -104,8 +104,7 @@ def qgroundcontrol():
     for kind in ("CAMERA_INFORMATION", "GIMBAL_MANAGER_INFORMATION", "VIDEO_STREAM_INFORMATION", "STORAGE_INFORMATION"):
         yield kind, command(REQUEST, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}")), (None, FAILED)
     for number in range(521, 528):
-        if hasattr_command(number):
-            yield f"command {number}", command(number, 1), (None, UNSUPPORTED)
+        yield f"command {number}", command(number, 1), (None, UNSUPPORTED)
     for kind in ("GIMBAL_MANAGER_STATUS", "GIMBAL_DEVICE_ATTITUDE_STATUS"):
         yield f"rate of {kind}", command(INTERVAL, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}"), 1e6), (None, FAILED)
     yield "rate of home", command(INTERVAL, mavlink.MAVLINK_MSG_ID_HOME_POSITION, 1e6), ("HOME_POSITION", ACCEPTED)
@@ -125,20 +124,15 @@ def ftp(opcode, data=b""):
     return lambda mav, to: mav.file_transfer_protocol_send(0, *to, payload)
 
 
-def hasattr_command(number):
-    return number in mavlink.enums["MAV_CMD"]
-
-
 def test_each_question_of_qgroundcontrol_is_answered_at_once(craft):
     mav, to = craft.link.mav, (craft.system, craft.component)
     for name, ask, (kind, result) in qgroundcontrol():
         ask(mav, to)
-        # What is asked next is heard next: an answer that has not come by the answer to a ping does not come at all.
         waiting = {kind, None if result is None else "COMMAND_ACK"} - {None}
         while waiting:
             message = craft.wait([*waiting], patience_s=5)
             waiting.discard(message.get_type())
-            if message.get_type() == "COMMAND_ACK":
+            if message.get_type() == "COMMAND_ACK" and result is not None:
                 assert message.result == result, name
             if message.get_type() == "FILE_TRANSFER_PROTOCOL":
                 assert message.payload[3] == FTP_NAK, name

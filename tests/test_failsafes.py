@@ -1,10 +1,12 @@
-"""Failsafes of the battery and the GPS: loss, announcement, action, recovery."""
+"""Failsafes: loss, announcement, action, recovery."""
 
 import math
 
 import pytest
-from ground import ACCEPTED, GUIDED, RTL
+from ground import ACCEPTED, GUIDED, LOITER, RTL
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+TIMEOUT_S = 2
 
 ACTIVE, CRITICAL = mavlink.MAV_STATE_ACTIVE, mavlink.MAV_STATE_CRITICAL
 
@@ -13,6 +15,12 @@ ACTIVE, CRITICAL = mavlink.MAV_STATE_ACTIVE, mavlink.MAV_STATE_CRITICAL
 def craft(start_vehicles, scenario):
     """One that needs no stream of setpoints, five times as fast as the clock."""
     return start_vehicles(scenario(setpoint_timeout_s=0), "--speed", 5).connect()[0]
+
+
+@pytest.fixture
+def led(start_vehicles, scenario):
+    """One that waits for setpoints."""
+    return start_vehicles(scenario(setpoint_timeout_s=TIMEOUT_S), "--speed", 4).connect()[0]
 
 
 def status(craft):
@@ -27,6 +35,33 @@ def words(craft, start):
         text = craft.text()
         if text.text.startswith(start):
             return text
+
+
+def test_without_setpoints_it_loiters_and_says_so(led):
+    led.setpoint(11, 0, 50)
+    text = led.text()
+    assert text.severity == mavlink.MAV_SEVERITY_CRITICAL
+    assert text.text == "Failsafe: no setpoint for 2 s, LOITER"
+    heartbeat = led.wait(["HEARTBEAT"])
+    assert (heartbeat.custom_mode, heartbeat.system_status) == (LOITER, mavlink.MAV_STATE_CRITICAL)
+
+    led.setpoint(14, math.radians(30), 60)
+    assert led.text().text == "Setpoint refused: mode is LOITER"
+
+    assert led.set_mode(GUIDED) == ACCEPTED
+    led.setpoint(14, math.radians(30), 50)
+    heartbeat = led.wait(["HEARTBEAT"])
+    assert (heartbeat.custom_mode, heartbeat.system_status) == (GUIDED, mavlink.MAV_STATE_ACTIVE)
+    follows = led.wait(["LOCAL_POSITION_NED"], lambda at: math.hypot(at.vx, at.vy) > 13)
+    assert math.atan2(follows.vy, follows.vx) == pytest.approx(math.radians(30), abs=0.3)
+
+
+def test_a_stream_of_setpoints_keeps_it_in_guided(led):
+    first = led.sample()
+    while led.sample().t_s < first.t_s + 3 * TIMEOUT_S:
+        led.setpoint(12, 0, 50)
+    assert led.mode() == GUIDED
+    assert led.sample().speed_mps == pytest.approx(12, abs=0.1)
 
 
 def test_a_low_battery_returns_and_a_good_one_lets_go_on(craft):

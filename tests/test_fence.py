@@ -45,10 +45,10 @@ def test_what_is_uploaded_is_downloaded(craft):
     items = [*square(200), item(STAY_OUT, 50, 50, 0, p1=20), item(RETURN, 10, 0, 0)]
     assert uploader.upload(items) == mavlink.MAV_MISSION_ACCEPTED
     assert [(read.frame, read.command, read.param1, read.x, read.y) for read in uploader.download()] == [
-        (frame, command, p1, x, y) for frame, command, p1, _, _, x, y, _ in items
+        (mavlink.MAV_FRAME_GLOBAL, command, p1, x, y) for _, command, p1, _, _, x, y, _ in items
     ]
     craft.link.mav.param_request_read_send(craft.system, 1, b"FENCE_TOTAL", -1)
-    assert craft.wait(["PARAM_VALUE"]).param_value == 0  # more than a polygon and a return point
+    assert craft.wait(["PARAM_VALUE"]).param_value == 7  # as in ArduPlane: corners, circles, and two
     assert uploader.upload([]) == mavlink.MAV_MISSION_ACCEPTED
     assert uploader.download() == []
 

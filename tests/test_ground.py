@@ -33,7 +33,7 @@ def upload(craft, items):
     rows = [(mavlink.MAV_CMD_NAV_WAYPOINT, (0, 0, 0, 0), 0, 0, 0), *items]
     craft.link.mav.mission_count_send(craft.system, 1, len(rows))
     while True:
-        message = craft.wait(["MISSION_REQUEST_INT", "MISSION_ACK"])
+        message = craft.wait(["MISSION_REQUEST", "MISSION_ACK"])
         if message.get_type() == "MISSION_ACK":
             return message.type
         command, params, north, east, altitude = rows[message.seq]

@@ -90,12 +90,12 @@ def test_a_bad_item_is_refused_and_the_old_mission_stays(uploader, bad, code):
 
 def test_a_gap_and_an_oversize_are_refused(craft, uploader):
     craft.link.mav.mission_count_send(craft.system, 1, 3)
-    craft.wait(["MISSION_REQUEST_INT"])
+    craft.wait(["MISSION_REQUEST"])
     uploader.send_item(2, TEN[2])
     assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_INVALID_SEQUENCE
     # As in ArduPlane, the upload goes on with what was asked for.
     uploader.send_item(0, TEN[0])
-    assert craft.wait(["MISSION_REQUEST_INT"], lambda request: request.seq > 0).seq == 1
+    assert craft.wait(["MISSION_REQUEST"], lambda request: request.seq > 0).seq == 1
     craft.link.mav.mission_count_send(craft.system, 1, 701)
     assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_NO_SPACE
 
@@ -141,7 +141,7 @@ def test_mission_items_without_an_upload_steer_in_guided(craft):
 def test_two_writers_at_once(craft, uploader):
     other = mavutil.mavlink_connection(f"udpout:127.0.0.1:{craft.port}", source_system=254)
     craft.link.mav.mission_count_send(craft.system, 1, 2)
-    craft.wait(["MISSION_REQUEST_INT"])
+    craft.wait(["MISSION_REQUEST"])
     assert Uploader(other, craft.system).upload(TEN) == mavlink.MAV_MISSION_DENIED
     # Of another plan they do not disturb each other.
     point = item(mavlink.MAV_CMD_NAV_RALLY_POINT, 10, 20)

@@ -3,6 +3,7 @@
 import multiprocessing
 
 import pytest
+from conftest import PROJECT
 
 
 @pytest.mark.parametrize(
@@ -55,7 +56,8 @@ def test_another_seed_is_another_flight(fly, flown):
 
 def test_wind_and_gusts_repeat_too_however_it_is_flown(fly, tmp_path):
     windy = tmp_path / "windy.toml"
-    windy.write_text("[parameters]\nSIM_WIND_SPD = 2.0\nSIM_WIND_DIR = 60\nSIM_WIND_TURB = 0.5\n")
+    air = "\n[parameters]\nSIM_WIND_SPD = 2.0\nSIM_WIND_DIR = 60\nSIM_WIND_TURB = 0.5\n"
+    windy.write_text((PROJECT / "config/paper.toml").read_text() + air)
     first, again, memory = (fly("run", windy, *options) for options in ([], ["--loss", 0.2], ["--transport", "memory"]))
     assert first.status == 0, first.errors
     assert first.trajectory_bytes == again.trajectory_bytes == memory.trajectory_bytes

@@ -17,8 +17,8 @@ def off_deg(sample, course_deg):
 
 @pytest.fixture
 def craft(start_vehicles, scenario):
-    """One that needs no stream of setpoints, five times as fast as the clock."""
-    return start_vehicles(scenario(setpoint_timeout_s=0), "--speed", 5).connect()[0]
+    """One that needs no stream of setpoints, ten times as fast as the clock."""
+    return start_vehicles(scenario(setpoint_timeout_s=0), "--speed", 10).connect()[0]
 
 
 @pytest.fixture

@@ -215,7 +215,7 @@ impl Vehicle {
     fn set_current_mission_item(&mut self, seq: f32) -> Result<(), Refusal> {
         check_finite("Mission", &[seq])?;
         let seq = u16::try_from(integer(seq)).unwrap_or(u16::MAX);
-        self.set_current_item(seq).map_err(Refusal::failed)
+        self.set_current_item(seq).map_err(Refusal::denied)
     }
 
     fn check_guided_command(&self, name: &str) -> Result<(), Refusal> {

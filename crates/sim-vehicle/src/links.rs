@@ -77,11 +77,6 @@ impl Links {
         self.next_due
     }
 
-    /// The version of MAVLink that a link's peer is answered in.
-    pub fn version(&self, index: usize) -> Version {
-        self.links[index].encoder.version
-    }
-
     /// Sends an item of a plan.
     pub fn send_plan_item(&mut self, index: usize, message: &PlanItemMessage<'_>) {
         self.write(index, |encoder, frame| encoder.encode_plan_item(message, frame));

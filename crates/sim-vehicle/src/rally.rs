@@ -36,6 +36,17 @@ pub(crate) fn check(item: &PlanItem) -> Result<(), MavMissionResult> {
     }
 }
 
+/// What ArduPilot keeps of a rally point: its place, and its altitude in whole metres above sea level, home or terrain.
+pub(crate) fn as_kept(item: &PlanItem) -> PlanItem {
+    let frame = match item.frame {
+        0 | 5 => 0,
+        3 | 6 => 3,
+        _ => 10,
+    };
+    let PlanItem { command, latitude_e7, longitude_e7, .. } = *item;
+    PlanItem { command, frame, latitude_e7, longitude_e7, z_m: item.z_m.trunc(), ..PlanItem::default() }
+}
+
 impl Vehicle {
     /// The rally point to return to from here: the nearest, if it is within RALLY_LIMIT_KM and, where home counts too
     /// (RALLY_INCL_HOME), nearer than home. None means home.

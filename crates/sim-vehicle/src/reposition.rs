@@ -20,11 +20,14 @@ impl Vehicle {
         if self.mode() != Mode::Guided && change_mode as i64 & 1 == 0 {
             return Err(Refusal::failed(format!("Reposition: mode is {}", self.mode())));
         }
+        let place = self.to_local(latitude_e7, longitude_e7);
+        if self.is_outside_fence(place, altitude_m) {
+            return Err(Refusal::denied("Reposition: the place is outside the fence"));
+        }
         if let Some(reason) = self.fence_forbids(Mode::Guided) {
             return Err(Refusal::failed(reason));
         }
         let clockwise = turn.is_nan() || turn == 0.0;
-        let place = self.to_local(latitude_e7, longitude_e7);
         self.set_mode(Mode::Guided);
         self.flight.reposition(place, if clockwise { radius_m } else { -radius_m });
         self.flight.set_altitude(altitude_m, f64::INFINITY);

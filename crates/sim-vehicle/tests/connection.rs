@@ -79,7 +79,7 @@ fn every_type_of_plan_is_empty_and_can_be_cleared_and_uploaded() {
         let upload =
             MISSION_COUNT_DATA { count: 3, target_system: TARGET, mission_type, ..MISSION_COUNT_DATA::DEFAULT };
         let answer = client.ask(&Message::MISSION_COUNT(upload));
-        assert!(matches!(answer.as_slice(), [Message::MISSION_REQUEST_INT(request)]
+        assert!(matches!(answer.as_slice(), [Message::MISSION_REQUEST(request)]
             if request.seq == 0 && request.mission_type == mission_type));
     }
 }

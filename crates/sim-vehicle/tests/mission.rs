@@ -57,7 +57,6 @@ fn result(messages: &[Message]) -> Option<MavMissionResult> {
 
 fn wanted(messages: &[Message]) -> Option<u16> {
     messages.iter().find_map(|message| match message {
-        Message::MISSION_REQUEST_INT(request) => Some(request.seq),
         Message::MISSION_REQUEST(request) => Some(request.seq),
         _ => None,
     })
@@ -286,7 +285,7 @@ fn the_current_item_is_set_and_auto_goes_on_from_it() {
     upload(&mut client, &square());
     assert_eq!(
         client.command_long(MAV_CMD_DO_SET_MISSION_CURRENT, [5.0, 0.0, 0.0]),
-        Some(MavResult::MAV_RESULT_FAILED)
+        Some(MavResult::MAV_RESULT_DENIED)
     );
     for (seq, expected, words) in [(9, 1, vec!["Mission: no item 9"]), (3, 3, vec![])] {
         let set = MISSION_SET_CURRENT_DATA { seq, target_system: TARGET, target_component: 1 };

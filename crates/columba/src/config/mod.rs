@@ -1,4 +1,4 @@
-//! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check.rs` its rules;
+//! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check/` its rules;
 //! `swarm.rs` a file of starts;
 //! `source.rs`, `spot.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where; `contender.rs` and `layer.rs` are what a
 //! comparison lays over a scenario.

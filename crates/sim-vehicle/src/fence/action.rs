@@ -1,9 +1,9 @@
 //! What a vehicle does about its fence: looks at it after each step, announces a breach, acts, and comes back.
 
-use super::items::area;
+use super::items::{area, as_kept};
 use super::{
-    ALL, Floor, Kinds, MANUAL_RECOVERY, MIN_ALTITUDE, OPTION_LOCK_MODE, POLYGON, Recovery, configured, has_option,
-    inclusions_are_one, names,
+    ALL, Floor, Kinds, MANUAL_RECOVERY, MIN_ALTITUDE, OPTION_LOCK_MODE, POLYGON, Place, Recovery, configured,
+    has_option, inclusions_are_one, names,
 };
 use crate::commands::Refusal;
 use crate::parameters::Parameter;
@@ -22,7 +22,7 @@ impl Vehicle {
     /// Another fence, or why it makes no sense: then the old one stays.
     pub(crate) fn replace_fence(&mut self, items: Vec<PlanItem>) -> Result<(), String> {
         self.fence.area = area(&items, &self.settings.frame)?;
-        self.fence.items = items;
+        self.fence.items = items.iter().map(as_kept).collect();
         Ok(())
     }
 
@@ -88,6 +88,13 @@ impl Vehicle {
         } else {
             None
         }
+    }
+
+    /// Whether a place, its altitude in m above the origin, is outside a fence that is enabled.
+    pub(crate) fn is_outside_fence(&self, (x_m, y_m): Place, altitude_m: f64) -> bool {
+        let home = self.flight.home();
+        let state = State { x_m, y_m, altitude_m: altitude_m - home.altitude_m, ..*self.flight.state() };
+        self.fence.outside(&state, home.at(), &self.parameters) != 0
     }
 
     /// It has been armed or disarmed: a fence may be enabled only while it is armed.

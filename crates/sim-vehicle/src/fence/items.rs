@@ -31,6 +31,17 @@ pub(crate) fn check(item: &PlanItem) -> Result<(), MavMissionResult> {
     }
 }
 
+/// What ArduPilot keeps of an item: its command, its place, and a radius or a whole number of corners.
+pub(super) fn as_kept(item: &PlanItem) -> PlanItem {
+    let p1 = match item.command {
+        CIRCLE_INCLUSION | CIRCLE_EXCLUSION => item.params[0],
+        POLYGON_INCLUSION | POLYGON_EXCLUSION => item.params[0].trunc(),
+        _ => 0.0,
+    };
+    let PlanItem { command, latitude_e7, longitude_e7, .. } = *item;
+    PlanItem { command, latitude_e7, longitude_e7, params: [p1, 0.0, 0.0, 0.0], ..PlanItem::default() }
+}
+
 /// The area that checked items make, or, in ArduPilot's words, why they make none.
 pub(crate) fn area(items: &[PlanItem], frame: &LocalFrame) -> Result<Area, String> {
     let mut area = Area::default();

@@ -159,47 +159,52 @@ impl Fence {
         changed
     }
 
-    /// Looks where the vehicle is. Gives the kinds that it has breached just now, or anew.
+    /// Looks where the vehicle is, with its altitude above home. Gives the kinds that it has breached just now, or anew.
     fn look(&mut self, state: &State, home: Place, parameters: &Parameters) -> Kinds {
-        let watched = self.enabled & self.present(parameters);
-        let get = |parameter: Parameter| f64::from(parameters.get(parameter));
-        let altitude_m = state.altitude_m;
-        let mut fresh = 0;
-        let mut note = |kind: Kinds, is_outside: bool, is_beyond_backup: bool, breached: &mut Kinds| {
-            let is_fresh = is_outside && (*breached & kind == 0 || is_beyond_backup);
-            *breached = if is_outside { *breached | kind } else { *breached & !kind };
-            fresh |= if is_fresh { kind } else { 0 };
-            is_fresh
-        };
-        if watched & MAX_ALTITUDE != 0 {
-            let is_outside = altitude_m >= get(Parameter::FenceAltitudeMax);
-            let is_beyond = altitude_m >= self.backup.max_altitude_m;
-            if note(MAX_ALTITUDE, is_outside, is_beyond, &mut self.breached) {
-                self.backup.max_altitude_m = altitude_m + BACKUP_HEIGHT_M;
-            }
+        let outside = self.outside(state, home, parameters);
+        let mut fresh = outside & !self.breached;
+        let (altitude_m, distance_m) = (state.altitude_m, distance_m(state, home));
+        let backup = &mut self.backup;
+        let beyond = [
+            (MAX_ALTITUDE, altitude_m >= backup.max_altitude_m),
+            (MIN_ALTITUDE, altitude_m <= backup.min_altitude_m),
+            (CIRCLE, distance_m >= backup.radius_m),
+        ];
+        fresh |= outside & beyond.into_iter().filter(|(_, is_beyond)| *is_beyond).map(|(kind, _)| kind).sum::<Kinds>();
+        if fresh & MAX_ALTITUDE != 0 {
+            backup.max_altitude_m = altitude_m + BACKUP_HEIGHT_M;
         }
-        if watched & MIN_ALTITUDE != 0 {
-            let is_outside = altitude_m <= get(Parameter::FenceAltitudeMin);
-            let is_beyond = altitude_m <= self.backup.min_altitude_m;
-            if note(MIN_ALTITUDE, is_outside, is_beyond, &mut self.breached) {
-                self.backup.min_altitude_m = altitude_m - BACKUP_HEIGHT_M;
-            }
+        if fresh & MIN_ALTITUDE != 0 {
+            backup.min_altitude_m = altitude_m - BACKUP_HEIGHT_M;
         }
-        if watched & CIRCLE != 0 {
-            let (north, east) = (state.x_m - home.0, state.y_m - home.1);
-            let distance_m = (north * north + east * east).sqrt();
-            let is_outside = distance_m >= get(Parameter::FenceRadius);
-            if note(CIRCLE, is_outside, distance_m >= self.backup.radius_m, &mut self.breached) {
-                self.backup.radius_m = distance_m + BACKUP_RADIUS_M;
-            }
+        if fresh & CIRCLE != 0 {
+            backup.radius_m = distance_m + BACKUP_RADIUS_M;
         }
-        if watched & POLYGON != 0 {
-            let is_outside = self.area.forbids((state.x_m, state.y_m), inclusions_are_one(parameters));
-            note(POLYGON, is_outside, false, &mut self.breached);
-        }
-        self.breached &= watched;
+        self.breached = outside;
         fresh
     }
+
+    /// The enabled kinds that a place is outside of, its altitude above home.
+    fn outside(&self, state: &State, home: Place, parameters: &Parameters) -> Kinds {
+        let watched = self.enabled & self.present(parameters);
+        let get = |parameter: Parameter| f64::from(parameters.get(parameter));
+        let mut outside = 0;
+        let mut add = |kind: Kinds, is_outside: &dyn Fn() -> bool| {
+            if watched & kind != 0 && is_outside() {
+                outside |= kind;
+            }
+        };
+        add(MAX_ALTITUDE, &|| state.altitude_m >= get(Parameter::FenceAltitudeMax));
+        add(MIN_ALTITUDE, &|| state.altitude_m <= get(Parameter::FenceAltitudeMin));
+        add(CIRCLE, &|| distance_m(state, home) >= get(Parameter::FenceRadius));
+        add(POLYGON, &|| self.area.forbids((state.x_m, state.y_m), inclusions_are_one(parameters)));
+        outside
+    }
+}
+
+fn distance_m(state: &State, (x_m, y_m): Place) -> f64 {
+    let (north_m, east_m) = (state.x_m - x_m, state.y_m - y_m);
+    (north_m * north_m + east_m * east_m).sqrt()
 }
 
 const OPTION_LOCK_MODE: u16 = 1;

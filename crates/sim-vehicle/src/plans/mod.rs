@@ -107,7 +107,7 @@ impl PlanKind {
 }
 
 impl Vehicle {
-    /// The items of a plan, as they were uploaded.
+    /// The items of a plan.
     pub(crate) fn plan(&self, kind: PlanKind) -> &[PlanItem] {
         match kind {
             PlanKind::Mission => &self.mission.items,
@@ -125,7 +125,7 @@ impl Vehicle {
                 self.mission_changed(anew);
             }
             PlanKind::Fence => self.replace_fence(items)?,
-            PlanKind::Rally => self.rally.items = items,
+            PlanKind::Rally => self.rally.items = items.iter().map(rally::as_kept).collect(),
         }
         self.plans_changed[kind as usize] = true;
         Ok(())

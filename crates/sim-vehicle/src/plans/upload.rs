@@ -5,8 +5,8 @@
 
 use super::PlanKind;
 use crate::{Mode, PeerId, Vehicle};
-use mavlink_bridge::dialect::{MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavMissionResult, MavSeverity, Message};
-use mavlink_bridge::{PlanItem, Target, Version};
+use mavlink_bridge::dialect::{MISSION_REQUEST_DATA, MavMissionResult, MavSeverity, Message};
+use mavlink_bridge::{PlanItem, Target};
 use std::time::Duration;
 
 /// Host time after which an item is asked for again.
@@ -138,8 +138,8 @@ impl Vehicle {
             let nobody =
                 if is_complete { MavMissionResult::MAV_MISSION_ERROR } else { MavMissionResult::MAV_MISSION_DENIED };
             self.refuse_plan(link, sender, kind, nobody);
-        } else if is_complete && seq < next {
-            // The acknowledgement was lost.
+        } else if is_complete && seq + 1 == next {
+            // The last item again: the acknowledgement was lost.
             self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
         } else if is_complete {
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
@@ -220,18 +220,10 @@ impl Vehicle {
         let Some(upload) = self.uploads.of(kind) else { return };
         let Target { system_id: target_system, component_id: target_component } = upload.writer.sender;
         let (seq, mission_type) = (upload.next(), kind.mission_type());
-        let request = match self.links.version(link) {
-            Version::V1 => {
-                Message::MISSION_REQUEST(MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type })
-            }
-            Version::V2 => Message::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
-                seq,
-                target_system,
-                target_component,
-                mission_type,
-            }),
-        };
-        self.links.send(link, &request);
+        // Not MISSION_REQUEST_INT: ArduPlane asks by the older message, takes either item for an answer, and some clients
+        // (dronekit) know no other.
+        let request = MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type };
+        self.links.send(link, &Message::MISSION_REQUEST(request));
     }
 
     /// The last item has come.

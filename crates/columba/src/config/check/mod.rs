@@ -1,11 +1,13 @@
 //! What a scenario must hold: the range of every setting, and what no single setting shows.
 
+mod many;
+
+pub use many::parameters;
+
 use super::Scenario;
-use super::file::{Pattern, PatternTable, ScenarioFile};
+use super::file::ScenarioFile;
 use super::obstacles::ObstaclesTable;
 use crate::judge::COLLISION_DISTANCE_M;
-use sim_vehicle::{NETWORK_VEHICLES_MAX, ParameterFault, VehicleSettings, port_index};
-use std::collections::BTreeSet;
 use std::fmt::Display;
 
 /// Everything that is wrong.
@@ -36,8 +38,6 @@ const HORIZON_PERIODS_MAX: f64 = 3_000.0;
 
 /// Most vehicles of a scenario, and most obstacles.
 pub const COUNT_MAX: usize = 10_000;
-/// The parameter that no two vehicles of a network share.
-const OWN_SYSTEM_ID: &str = "MAV_SYSID";
 /// Longest flight, s.
 pub const DURATION_MAX_S: f64 = 86_400.0;
 /// Most rows of a trajectory, which a flight keeps in memory: two gigabytes.
@@ -148,7 +148,7 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
         faults.within(key("course_deg"), vehicle.course_deg, -360.0, 360.0);
     }
     if let Some(pattern) = &file.vehicles {
-        pattern_count(pattern, faults);
+        many::pattern_count(pattern, faults);
         faults.within("vehicles.spacing_m", pattern.spacing_m, 2.0 * COLLISION_DISTANCE_M, 1_000.0);
         faults.within("vehicles.x_m", pattern.x_m, -LENGTH_MAX_M, LENGTH_MAX_M);
         faults.within("vehicles.y_m", pattern.y_m, -LENGTH_MAX_M, LENGTH_MAX_M);
@@ -306,7 +306,7 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     if link.host.parse::<std::net::IpAddr>().is_err() {
         faults.add("link.host", format!("{:?}", link.host), "an IP address, such as 127.0.0.1");
     }
-    ports(file, faults);
+    many::ports(file, faults);
     for (key, value) in
         [("link.loss", link.loss), ("link.duplication", link.duplication), ("link.reordering", link.reordering)]
     {
@@ -316,82 +316,6 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     faults.within("link.jitter_ms", link.jitter_ms, 0.0, 60_000.0);
     if file.output.folder.as_deref().is_some_and(|folder| folder.trim().is_empty()) {
         faults.add("output.folder", "\"\"", "a folder's name");
-    }
-}
-
-/// One port for each vehicle or group, and one on the ground for each network.
-fn ports(file: &ScenarioFile, faults: &mut Faults) {
-    let (link, count) = (&file.link, file.count());
-    faults.whole("link.vehicles_per_port", link.vehicles_per_port, 1, NETWORK_VEHICLES_MAX);
-    // Counts that are at fault themselves have been told already.
-    if !(1..=NETWORK_VEHICLES_MAX).contains(&link.vehicles_per_port) || !(1..=COUNT_MAX).contains(&count) {
-        return;
-    }
-    let needed = port_index(count - 1, link.vehicles_per_port) + 1;
-    let networks = count.div_ceil(NETWORK_VEHICLES_MAX);
-    if let Some(port) = link.ground_port.filter(|&port| usize::from(port) + networks > 65_536) {
-        let wanted =
-            format!("at most {} for {networks} networks of {NETWORK_VEHICLES_MAX} vehicles", 65_536 - networks);
-        faults.add("link.ground_port", port, wanted);
-    }
-    let Some(first) = link.vehicle_port.filter(|&port| port > 0) else { return };
-    let (first, end) = (usize::from(first), usize::from(first) + needed);
-    if end > 65_536 {
-        faults.add("link.vehicle_port", first, format!("at most {} for {count} vehicles", 65_536 - needed));
-    }
-    let overlaps = |port: usize| port > 0 && port < end && first < port + networks;
-    if let Some(port) = link.ground_port.filter(|&port| overlaps(port.into())) {
-        let ground =
-            if networks > 1 { format!("; {networks} networks have a ground port each") } else { String::new() };
-        let wanted = format!("none of the vehicles' ports, {first} to {}{ground}", end - 1);
-        faults.add("link.ground_port", port, wanted);
-    }
-}
-
-/// How many vehicles a pattern has, and whether its file has as many.
-fn pattern_count(pattern: &PatternTable, faults: &mut Faults) {
-    let is_file = pattern.pattern == Pattern::File;
-    match (pattern.count, &pattern.file) {
-        (_, None) if is_file => {
-            let wanted = "must name the file of the pattern, as file = \"swarm.txt\"";
-            faults.add_subject("vehicles", "the key file is missing", wanted);
-        }
-        (_, Some(_)) if !is_file => {
-            faults.add_subject("vehicles.pattern", "[vehicles] names a file", "must have pattern = \"file\" beside it");
-        }
-        (None, None) => faults.add_subject(
-            "vehicles",
-            "vehicles.count: the key count is missing",
-            format!("must be a whole number from 1 to {COUNT_MAX}"),
-        ),
-        (Some(count), Some(file)) if count > pattern.places.len() && count <= COUNT_MAX => {
-            let wanted = format!("at most {}: {} starts no more vehicles", pattern.places.len(), file.display());
-            faults.add("vehicles.count", count, wanted);
-        }
-        _ => {}
-    }
-    if pattern.count.is_some() || !is_file {
-        faults.whole("vehicles.count", pattern.count.unwrap_or(1), 1, COUNT_MAX);
-    }
-}
-
-/// Parameters that the vehicles have, with values that they take.
-pub fn parameters(scenario: &Scenario, vehicles: &[VehicleSettings], faults: &mut Faults) {
-    if scenario.parameters.is_empty() {
-        return;
-    }
-    if let Some(value) = scenario.parameters.get(OWN_SYSTEM_ID).filter(|_| vehicles.len() > 1) {
-        let key = format!("parameters.{OWN_SYSTEM_ID}");
-        faults.add(key, value, "left out: it is each vehicle's own");
-    }
-    // Some ranges depend on how a vehicle starts.
-    let mut told = BTreeSet::new();
-    for settings in vehicles {
-        for ParameterFault { name, value, wanted } in sim_vehicle::check_parameters(settings) {
-            if told.insert(name.clone()) {
-                faults.add(format!("parameters.{name}"), value, wanted);
-            }
-        }
     }
 }
 
