@@ -104,6 +104,7 @@ impl Vehicle {
 
     /// Moves the vehicle on by one integration step, and does what follows from it on the ground.
     pub(crate) fn step_flight(&mut self) {
+        self.move_sticks();
         let was_armed = self.flight.is_armed();
         if let Some(Event::TouchedDown { sink_mps }) = self.flight.step() {
             self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("SIM Hit ground at {sink_mps:.6} m/s"));

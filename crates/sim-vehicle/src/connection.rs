@@ -73,6 +73,7 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
         MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => {
             &[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent, Stream::FenceStatus]
         }
+        MavDataStream::MAV_DATA_STREAM_RC_CHANNELS => &[Stream::RcChannels],
         MavDataStream::MAV_DATA_STREAM_POSITION => &[Stream::GlobalPositionInt, Stream::LocalPositionNed],
         MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[Stream::Attitude],
         MavDataStream::MAV_DATA_STREAM_EXTRA2 => &[Stream::VfrHud],

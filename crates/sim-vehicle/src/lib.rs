@@ -26,6 +26,7 @@ mod rally;
 mod reposition;
 mod services;
 mod settings;
+mod sticks;
 mod streams;
 mod telemetry;
 mod vehicle;

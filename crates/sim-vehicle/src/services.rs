@@ -49,6 +49,8 @@ impl Vehicle {
             Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
             Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
             Ok(Message::SET_POSITION_TARGET_GLOBAL_INT(data)) => self.take_global_target(data),
+            Ok(Message::RC_CHANNELS_OVERRIDE(data)) => self.override_channels(sender.system_id, data),
+            Ok(Message::MANUAL_CONTROL(data)) => self.control_manually(sender.system_id, data),
             Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
             Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
             Ok(Message::REQUEST_DATA_STREAM(data)) => self.set_data_stream(link, data),

@@ -22,6 +22,7 @@ pub(crate) enum Stream {
     WindCov,
     EkfStatusReport,
     FenceStatus,
+    RcChannels,
     GpsGlobalOrigin,
     HomePosition,
     BatteryStatus,
@@ -32,7 +33,7 @@ pub(crate) enum Stream {
 }
 
 impl Stream {
-    pub const COUNT: usize = 23;
+    pub const COUNT: usize = 24;
     pub const ALL: [Stream; Self::COUNT] = [
         Stream::Heartbeat,
         Stream::SysStatus,
@@ -50,6 +51,7 @@ impl Stream {
         Stream::WindCov,
         Stream::EkfStatusReport,
         Stream::FenceStatus,
+        Stream::RcChannels,
         Stream::GpsGlobalOrigin,
         Stream::HomePosition,
         Stream::BatteryStatus,
@@ -74,6 +76,7 @@ impl Stream {
             Stream::GlobalPositionInt => 33,
             Stream::MissionCurrent => 42,
             Stream::GpsGlobalOrigin => 49,
+            Stream::RcChannels => 65,
             Stream::VfrHud => 74,
             Stream::HighresImu => 105,
             Stream::BatteryStatus => 147,
@@ -111,6 +114,7 @@ impl Stream {
             Stream::ScaledImu
             | Stream::HighresImu
             | Stream::WindCov
+            | Stream::RcChannels
             | Stream::GpsGlobalOrigin
             | Stream::HomePosition
             | Stream::ExtendedSysState

@@ -12,6 +12,7 @@ use crate::personality::px4;
 use crate::plans::{PlanKind, Uploads};
 use crate::rally::Rally;
 use crate::services::target_system;
+use crate::sticks::Channels;
 use crate::streams::Stream;
 use crate::telemetry::Instruments;
 use crate::{LockstepSettings, Mode, SettingsError, VehicleCounters, VehicleSettings};
@@ -74,6 +75,7 @@ pub struct Vehicle {
     pub(crate) plan_totals: [f32; PlanKind::ALL.len()],
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
+    pub(crate) channels: Channels,
     /// Vehicle time at which it last flew.
     pub(crate) flown_at: Duration,
     /// Whether somebody has set home: then arming leaves it.
@@ -131,6 +133,7 @@ impl Vehicle {
             plans_changed: Default::default(),
             plan_totals: Default::default(),
             quiet_until: Duration::ZERO,
+            channels: Channels::default(),
             flown_at: Duration::ZERO,
             home_is_set: false,
             px4: px4::State::default(),
@@ -404,6 +407,7 @@ impl Vehicle {
             battery_level: self.failsafes.battery.level(),
             fence: self.fence.report(&self.parameters),
             is_armable,
+            channels: &self.channels,
             clock_epoch_us: self.settings.clock_epoch_us,
         };
         send(&mut self.links, &instruments);

@@ -45,10 +45,13 @@ impl Flight {
     /// A vehicle that takes off runs until it lifts off at its least airspeed; any other slows down.
     pub(super) fn step_on_ground(&mut self) {
         let step_s = self.autopilot.step_s();
-        let runs = self.is_engine_running() && matches!(self.stage, Stage::Takeoff);
+        let (hands_run, hands_lift) = self.hands_take_off();
+        let takes_off = matches!(self.stage, Stage::Takeoff);
+        let runs = self.is_engine_running() && (takes_off || hands_run);
         let acceleration_mps2 = if runs { RUN_MPS2 } else { -BRAKE_MPS2 };
         let before_mps = self.state.speed_mps;
-        let after_mps = (before_mps + acceleration_mps2 * step_s).max(0.0);
+        let fastest_mps = self.speed.target.max(before_mps);
+        let after_mps = (before_mps + acceleration_mps2 * step_s).clamp(0.0, fastest_mps);
         let run_m = 0.5 * (before_mps + after_mps) * step_s;
         let (sin, cos) = libm::sincos(self.state.course_rad);
         self.roll_to(State {
@@ -57,7 +60,7 @@ impl Flight {
             speed_mps: after_mps,
             ..self.state
         });
-        if runs && self.lift_off_speed_mps() >= self.dynamics.limits.speed_min_mps {
+        if runs && (takes_off || hands_lift) && self.lift_off_speed_mps() >= self.dynamics.limits.speed_min_mps {
             self.contact = Contact::Air;
         }
     }

@@ -6,10 +6,12 @@ mod ground;
 mod guidance;
 mod landing;
 mod ramp;
+mod sticks;
 mod tuning;
 
 pub(crate) use ground::Event;
 pub(crate) use guidance::RallyPlace;
+pub(crate) use sticks::Sticks;
 pub(crate) use tuning::{TAKEOFF_ALTITUDE_M, TAKEOFF_TOLERANCE_M, Tuning};
 
 use crate::{Mode, VehicleSettings};
@@ -37,6 +39,7 @@ pub(crate) struct Flight {
     engine_works: bool,
     contact: Contact,
     stage: Stage,
+    sticks: Option<Sticks>,
     home: Home,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: (f64, f64),
@@ -101,6 +104,7 @@ impl Flight {
             engine_works: true,
             contact: Contact::Rail,
             stage: Stage::Normal,
+            sticks: None,
             home: Home::default(),
             guided_point: (start.x_m, start.y_m),
             rally: None,
@@ -209,6 +213,7 @@ impl Flight {
         let course_rad = self.guide_rad();
         let mut setpoint =
             Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
+        setpoint = self.by_hand(setpoint);
         if let Stage::Landing(landing) = self.stage {
             setpoint = self.land(landing, &setpoint);
         }

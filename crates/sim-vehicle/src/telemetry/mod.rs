@@ -8,6 +8,7 @@ use crate::flight::Flight;
 use crate::life::{GpsSettings, Life, Readings, SensorSettings, tick};
 use crate::mission::{Mission, Progress};
 use crate::parameters::{Parameter, Parameters};
+use crate::sticks::Channels;
 use crate::streams::Stream;
 use crate::{Mode, Personality};
 use flight_model::LocalFrame;
@@ -30,6 +31,7 @@ pub(crate) struct Instruments<'a> {
     pub failsafe: bool,
     /// Whether it is armed, or nothing stands against it.
     pub is_armable: bool,
+    pub channels: &'a Channels,
     pub life: &'a Life,
     pub parameters: &'a Parameters,
     pub battery_level: BatteryLevel,
@@ -92,6 +94,7 @@ impl Instruments<'_> {
                 f64::from(self.parameters.get(Parameter::WindGusts)),
                 origin.altitude_amsl_m + state.altitude_m,
             ),
+            Stream::RcChannels => self.channels.message(time),
             Stream::MissionCurrent => self.mission_current(),
             Stream::BatteryStatus => self.battery_status(),
             Stream::FenceStatus => self.fence_status(),
@@ -294,6 +297,7 @@ mod tests {
             frame: &VehicleSettings::default().frame,
             failsafe: false,
             is_armable: true,
+            channels: &Channels::default(),
             fence: FenceReport::default(),
             clock_epoch_us: 7,
         };
