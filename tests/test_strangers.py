@@ -173,6 +173,8 @@ def test_mavsdk_flies_by_its_own_missions_and_setpoints(start_vehicles, scenario
                 ]
             )
         )  # fmt: skip
+        # Its own default for an unknown autopilot is 2.5 m.
+        does.set_takeoff_altitude(40)
         does.arm()
         does.takeoff()
         until(lambda: seen.position().relative_altitude_m > 30, "in the air")
