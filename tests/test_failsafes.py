@@ -64,6 +64,14 @@ def test_a_stream_of_setpoints_keeps_it_in_guided(led):
     assert led.sample().speed_mps == pytest.approx(12, abs=0.1)
 
 
+def test_setpoints_are_not_missed_on_the_ground(start_vehicles, scenario):
+    craft = start_vehicles(scenario(on_ground=True, setpoint_timeout_s=TIMEOUT_S), "--speed", 5).connect()[0]
+    assert craft.set_mode(GUIDED) == ACCEPTED
+    assert craft.command_long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == ACCEPTED
+    craft.samples(3 * TIMEOUT_S)
+    assert craft.mode() == GUIDED
+
+
 def test_a_low_battery_returns_and_a_good_one_lets_go_on(craft):
     for name, value in {"BATT_LOW_VOLT": 11, "BATT_LOW_TIMER": 3, "BATT_FS_LOW_ACT": 1}.items():
         craft.set_parameter(name, value)

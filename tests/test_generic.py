@@ -118,6 +118,27 @@ def test_targets_are_for_guided(generic):
     assert generic.text().text == "Setpoint refused: mode is LOITER"
 
 
+@pytest.mark.parametrize(
+    ("main", "sub", "custom"), [(4, 3, LOITER), (4, 5, 11), (4, 6, LAND), (4, 2, TAKEOFF), (6, 0, GUIDED)]
+)
+def test_modes_are_taken_in_px4s_numbers_as_mavsdk_sends_them(generic, main, sub, custom):
+    generic.set_mode(7)
+    assert generic.command_long(mavlink.MAV_CMD_DO_SET_MODE, 1, main, sub) == ACCEPTED
+    assert generic.mode() == custom
+
+
+def test_no_parameter_depends_on_how_whole_numbers_are_encoded(generic):
+    generic.link.mav.param_request_list_send(generic.system, generic.component)
+    first = generic.wait(["PARAM_VALUE"])
+    kinds = {generic.wait(["PARAM_VALUE"]).param_type for _ in range(first.param_count - 1)}
+    assert kinds == {mavlink.MAV_PARAM_TYPE_REAL32}
+
+
+def test_items_are_asked_for_as_the_guide_says(generic):
+    generic.link.mav.mission_count_send(generic.system, generic.component, 1)
+    assert generic.wait(["MISSION_REQUEST_INT", "MISSION_REQUEST"]).get_type() == "MISSION_REQUEST_INT"
+
+
 def test_it_takes_off_and_lands_by_command(start_generic):
     generic = start_generic("--on-ground", speed=10)
     take_off = mavlink.MAV_CMD_NAV_TAKEOFF

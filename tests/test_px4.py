@@ -5,6 +5,9 @@ import struct
 
 import pytest
 from ground import ACCEPTED, DENIED, UNSUPPORTED
+from lists import Lists
+from plans import Uploader, item
+from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 TEMPORARILY_REJECTED = mavlink.MAV_RESULT_TEMPORARILY_REJECTED
@@ -343,6 +346,44 @@ def test_armed_and_idle_it_disarms(start_px4):
     armed = px4.sample()
     px4.wait(["HEARTBEAT"], lambda heartbeat: not heartbeat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
     assert 9 < px4.sample().t_s - armed.t_s < 13
+
+
+def test_it_takes_off_by_setpoints_alone(start_px4):
+    px4 = start_px4("--on-ground", speed=10)
+    high = {"place": (0, 0, -40), "velocity": (12, 0, 0)}
+    target(px4, VELOCITY_AND_ALTITUDE, **high)
+    assert set_mode(px4, *OFFBOARD) == ACCEPTED
+    assert px4.command_long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == ACCEPTED
+    level = stream(px4, 3, VELOCITY_AND_ALTITUDE, place=(0, 0, 0), velocity=(12, 0, 0))
+    assert (level.speed_mps, level.altitude_m) == (0, 0)
+    last = stream(px4, 60, VELOCITY_AND_ALTITUDE, **high)
+    assert (last.speed_mps, last.altitude_m) == pytest.approx((12, 40), abs=0.5)
+    assert px4.mode() == number(*OFFBOARD)
+
+
+@pytest.mark.parametrize(
+    ("main", "sub", "words"),
+    [(AUTO, MISSION, "No valid mission available"), (AUTO, RETURN, "Mode not armable"), (AUTO, LAND, "Mode not armable")],
+)
+def test_it_says_why_it_does_not_arm(start_px4, main, sub, words):
+    px4 = start_px4("--on-ground")
+    assert set_mode(px4, main, sub) == ACCEPTED
+    assert px4.command_long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == TEMPORARILY_REJECTED
+    assert px4.text().text == f"Arming denied: {words}"
+
+
+# A bad link
+
+
+def test_transfers_complete_over_a_link_that_loses_a_third_each_way(start_vehicles, scenario):
+    row = start_vehicles(scenario(), "--personality", "px4", "--loss", 0.3).rows[0]
+    link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
+    Lists(link, [row["system_id"]]).fetch()
+    waypoints = [item(mavlink.MAV_CMD_NAV_WAYPOINT, north_m) for north_m in range(100, 1100, 100)]
+    uploader = Uploader(link, row["system_id"])
+    assert uploader.upload(waypoints) == mavlink.MAV_MISSION_ACCEPTED
+    assert len(uploader.download()) == len(waypoints)
+    link.close()
 
 
 # Missions

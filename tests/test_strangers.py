@@ -139,6 +139,60 @@ def test_mavsdk_flies_a_mission(address):
         until(lambda: not seen.armed(), "landed and disarmed")
 
 
+@pytest.mark.parametrize("personality", ["px4", "generic"])
+def test_mavsdk_flies_by_its_own_missions_and_setpoints(start_vehicles, scenario, personality):
+    mavsdk = package("mavsdk")
+    if not hasattr(mavsdk, "Mavsdk"):
+        pytest.skip("mavsdk is older than 4")
+    action, mission_plans, offboard, param, telemetry = (
+        importlib.import_module(f"mavsdk.plugins.{name}")
+        for name in ("action", "mission", "offboard", "param", "telemetry")
+    )
+    described = scenario(on_ground=True, personality=personality, setpoint_timeout_s=0)
+    address = start_vehicles(described, "--speed", SPEED).rows[0]["address"]
+    configuration = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
+    with mavsdk.Mavsdk(configuration) as station:
+        station.add_any_connection(f"udpout://{address}")
+        system = station.first_autopilot(PATIENCE_S)
+        assert system is not None
+        assert param.Param(system).get_all_params().float_params
+        seen, does = telemetry.Telemetry(system), action.Action(system)
+        until(lambda: seen.health_all_ok(), "health_all_ok")
+        assert seen.home().latitude_deg == pytest.approx(HOME[0], abs=1e-4)
+
+        plans = mission_plans.Mission(system)
+        nan = float("nan")
+        plans.upload_mission(
+            mission_plans.MissionPlan(
+                [
+                    mission_plans.MissionItem(
+                        *place(*at), 60, nan, True, nan, nan, mission_plans.MissionItem.CameraAction.NONE,
+                        nan, nan, RADIUS_M, nan, nan, mission_plans.MissionItem.VehicleAction.NONE,
+                    )
+                    for at in (*WAYPOINTS, (-300, 0), (-150, 0))
+                ]
+            )
+        )  # fmt: skip
+        # Its own default for an unknown autopilot is 2.5 m.
+        does.set_takeoff_altitude(40)
+        does.arm()
+        does.takeoff()
+        until(lambda: seen.position().relative_altitude_m > 30, "in the air")
+        plans.start_mission()
+        until(plans.is_mission_finished, "the end of the mission")
+        assert (plans.mission_progress().current, plans.mission_progress().total) == (10, 10)
+
+        leads = offboard.Offboard(system)
+        leads.set_velocity_ned(offboard.VelocityNedYaw(5, 10, 0, 0))
+        leads.start()
+        until(lambda: abs(seen.velocity_ned().east_m_s - 10) < 0.2, "the velocity that was asked for")
+        leads.stop()
+        does.return_to_launch()
+        until(lambda: math.hypot(seen.position_velocity_ned().position.north_m, 0) < 200, "near home")
+        does.land()
+        until(lambda: not seen.in_air() and not seen.armed(), "landed and disarmed")
+
+
 class Proxy:
     """MAVProxy without a terminal, told what to do by its standard input; `said` is all that it has printed."""
 

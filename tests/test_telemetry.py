@@ -41,6 +41,13 @@ def test_messages_without_a_stamp_come_at_their_rates(craft):
     assert [heard.count(kind) for kind in ("HEARTBEAT", "SYS_STATUS", "VFR_HUD")] == [5, 5, 4 * 5]
 
 
+def test_home_and_the_landed_state_come_unasked(craft):
+    craft.wait(["HOME_POSITION"])
+    heard = [message.get_type() for message in craft.collect(["HOME_POSITION", "EXTENDED_SYS_STATE"], 8)]
+    assert heard.count("HOME_POSITION") == pytest.approx(4, abs=1)
+    assert heard.count("EXTENDED_SYS_STATE") == pytest.approx(16, abs=1)
+
+
 def test_a_rate_can_be_asked_for(craft):
     assert craft.set_rate(mavlink.MAVLINK_MSG_ID_VFR_HUD, 20) == ACCEPTED
     assert craft.set_rate(mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED, 50) == ACCEPTED

@@ -1,8 +1,9 @@
 //! No autopilot in particular, for authors of their own controllers: ArduPlane's numbers, commands and parameters, and
 //! beside them take-off and landing as commands, MAVLink's standard modes, and position targets of every kind.
 
+use super::px4;
 use super::targets::{PositionTarget, TargetRefused};
-use crate::commands::{Command, Refusal, check_finite};
+use crate::commands::{Command, Refusal, check_finite, integer};
 use crate::{Mode, Vehicle};
 use mavlink_bridge::dialect::{
     MavCmd, MavModeFlag, MavSeverity, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
@@ -15,13 +16,17 @@ pub(super) const VERSION: [u8; 3] = [0, 0, 0];
 /// ArduCopter's number of LAND, which ArduPlane leaves free.
 const LAND: u32 = 9;
 
+/// Where ArduPlane has ACRO and FBWB, PX4 has the modes that fly by themselves and Offboard. MAVSDK takes any unknown
+/// autopilot for a PX4.
+const PX4_AUTO: i64 = 4;
+const PX4_OFFBOARD: i64 = 6;
+
 /// The modes that a client can set.
-pub(super) const MODES: [Mode; 12] = [
+pub(super) const MODES: [Mode; 11] = [
     Mode::Manual,
     Mode::Circle,
     Mode::Stabilize,
     Mode::Fbwa,
-    Mode::Fbwb,
     Mode::Cruise,
     Mode::Land,
     Mode::Auto,
@@ -48,13 +53,24 @@ pub(super) fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
 
 impl Vehicle {
     pub(super) fn execute_generic(&mut self, command: &Command) -> Option<Result<(), Refusal>> {
-        let [_, p2, ..] = command.params;
+        let [p1, p2, p3, _] = command.params;
         Some(match command.command {
             MavCmd::MAV_CMD_DO_SET_MODE if p2 == LAND as f32 => self.enter(Mode::Land),
+            MavCmd::MAV_CMD_DO_SET_MODE if matches!(integer(p2), PX4_AUTO | PX4_OFFBOARD) => {
+                px4::commanded_mode([p1, p2, p3]).and_then(|mode| self.enter_as_px4(mode))
+            }
             MavCmd::MAV_CMD_NAV_LAND => self.enter(Mode::Land),
             MavCmd::MAV_CMD_NAV_TAKEOFF => self.generic_take_off(command),
             _ => return None,
         })
+    }
+
+    fn enter_as_px4(&mut self, mode: Mode) -> Result<(), Refusal> {
+        match mode {
+            Mode::Offboard => self.enter(Mode::Guided),
+            mode if MODES.contains(&mode) => self.enter(mode),
+            mode => Err(Refusal::failed(format!("No mode {}", px4::mode_name(mode)))),
+        }
     }
 
     /// z: the altitude, above what the frame says; not a number, or 0: TKOFF_ALT above home.

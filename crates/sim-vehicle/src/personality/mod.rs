@@ -139,10 +139,10 @@ impl Personality {
     pub(crate) fn item_request(self, seq: u16, to: Target, mission_type: MavMissionType) -> Message {
         let Target { system_id: target_system, component_id: target_component } = to;
         match self {
-            Personality::ArduPlane | Personality::Generic => {
+            Personality::ArduPlane => {
                 Message::MISSION_REQUEST(MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type })
             }
-            Personality::Px4 => Message::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
+            Personality::Px4 | Personality::Generic => Message::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
                 seq,
                 target_system,
                 target_component,
@@ -163,7 +163,9 @@ impl Personality {
     /// What it calls a parameter, and of which type it has it.
     pub(crate) fn parameter(self, parameter: Parameter) -> (&'static str, MavParamType) {
         match self {
-            Personality::ArduPlane | Personality::Generic => (parameter.name(), parameter.kind()),
+            Personality::ArduPlane => (parameter.name(), parameter.kind()),
+            // Clients do not agree on how an unknown autopilot encodes whole numbers: it has none.
+            Personality::Generic => (parameter.name(), MavParamType::MAV_PARAM_TYPE_REAL32),
             Personality::Px4 => px4::parameter(parameter),
         }
     }

@@ -108,7 +108,8 @@ const PLACE: Mask = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE.union(Mask::POSITION
 
 impl Vehicle {
     /// Flies a target: a place, along a line through a place in the direction of the velocity, or with a velocity; at an
-    /// altitude or with a rate of climb. What it does not ask for stays as it is.
+    /// altitude or with a rate of climb. What it does not ask for stays as it is. From the ground, armed, it takes off where
+    /// the target is higher.
     pub(super) fn fly_target(&mut self, target: &PositionTarget) {
         // A velocity of zero has no direction.
         let velocity_mps = target.velocity_mps.filter(|velocity| *velocity != (0.0, 0.0));
@@ -128,6 +129,27 @@ impl Vehicle {
             (None, Some(climb_mps)) => self.flight.climb_at(climb_mps),
             (None, None) => {}
         }
+        if self.flight.is_on_ground() && self.flight.is_armed() && self.leads_up(target) {
+            self.take_off_for_target();
+        }
+    }
+
+    fn leads_up(&self, target: &PositionTarget) -> bool {
+        /// How much higher than the ground a place must be.
+        const HIGHER_M: f64 = 1.0;
+        match (target.altitude_m, target.climb_mps) {
+            (Some(altitude_m), _) => altitude_m > self.flight.state().altitude_m + HIGHER_M,
+            (None, climb_mps) => climb_mps.is_some_and(|climb_mps| climb_mps > 0.0),
+        }
+    }
+
+    /// Runs and lifts off, straight on, as fast as it must; the next target leads it in the air.
+    fn take_off_for_target(&mut self) {
+        let least_mps = self.flight.limits().speed_min_mps;
+        if self.flight.speed_target_mps() < least_mps {
+            self.flight.set_speed(least_mps, f64::INFINITY);
+        }
+        self.flight.take_off(self.flight.state().altitude_m + self.flight.altitude_error_m());
     }
 
     /// The course that leads onto the line through a place in the direction of a velocity.

@@ -38,7 +38,7 @@ impl Vehicle {
         let [p1, p2, p3, _] = command.params;
         Some(match command.command {
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.px4_arm_or_disarm(p1, p2),
-            MavCmd::MAV_CMD_DO_SET_MODE => px4_mode([p1, p2, p3]).and_then(|mode| self.px4_change_mode(mode)),
+            MavCmd::MAV_CMD_DO_SET_MODE => commanded_mode([p1, p2, p3]).and_then(|mode| self.px4_change_mode(mode)),
             MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.px4_change_mode(Mode::Rtl),
             MavCmd::MAV_CMD_NAV_LAND => self.px4_change_mode(Mode::Land),
             MavCmd::MAV_CMD_NAV_TAKEOFF => self.px4_take_off(command.z),
@@ -235,7 +235,7 @@ pub(super) fn ends_a_flight(mode: Mode) -> bool {
 }
 
 /// Params of DO_SET_MODE: flags, main mode, sub mode.
-fn px4_mode([base_mode, main, sub]: [f32; 3]) -> Result<Mode, Refusal> {
+pub(in crate::personality) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> Result<Mode, Refusal> {
     let custom = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
     if integer(base_mode) & custom == 0 {
         return Err(rejected("Unsupported base mode"));

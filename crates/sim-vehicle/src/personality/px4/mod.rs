@@ -6,6 +6,7 @@ mod failsafe;
 mod offboard;
 mod parameters;
 
+pub(super) use commands::commanded_mode;
 pub(crate) use failsafe::Failsafe;
 pub(super) use parameters::{ABSENT_PARAMETERS, OWN_PARAMETERS, parameter};
 
