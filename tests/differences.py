@@ -8,12 +8,13 @@ KNOWN = {
         "modes on the ground": ["mode 3", "mode 4", "mode 8", "mode 14", "mode 25"],
         "modes in the air": ["mode 3", "mode 4", "mode 8", "mode 14", "mode 25", "mode 26"],
     },
-    "PROTOCOL_VERSION, PING and WIND_COV are answered, SET_MODE is acknowledged as command 11.": {
+    "PROTOCOL_VERSION, CURRENT_MODE, PING and WIND_COV are answered, SET_MODE is acknowledged as command 11.": {
         "modes on the ground": ["by SET_MODE", "by SET_MODE, one that is not there"],
         "every command": ["REQUEST_PROTOCOL_VERSION"],
         "connection": [
             "asked for PROTOCOL_VERSION",
             "asked for WIND_COV",
+            "asked for CURRENT_MODE",
             "the older request for the protocol's version",
             "PING",
         ],
@@ -45,7 +46,6 @@ KNOWN = {
             "DO_SPRAYER",
             "DO_AUX_FUNCTION",
             "DO_ENGINE_CONTROL",
-            "DO_SET_MISSION_CURRENT",
             "PREFLIGHT_STORAGE",
             "START_RX_PAIR",
             "SET_CAMERA_FOCUS",
@@ -84,6 +84,7 @@ KNOWN = {
     },
     "A mission of nothing counts 0 items; ArduPlane counts home, until it is cleared.": {
         "missions": ["there is none at first"],
+        "every command": ["DO_SET_MISSION_CURRENT"],
     },
     "MISSION_CURRENT is 1 as soon as there is a mission, and every item that is flown is reached once, NAV_LAND on the ground too.": {
         "missions": ["a good one", "current is 0", "nothing at all", "clear"],
@@ -128,6 +129,8 @@ KNOWN = {
             "and back: time on a circle",
             "and back: a speed",
         ],
+    },
+    "A fence of fewer than three corners and circles stays; ArduPlane 4.7-dev loses it when it replaces a larger one.": {
         "fences": ["and back: a circle to keep in"],
     },
     "MISSION_CLEAR_ALL of type 255 clears everything; ArduPlane says UNSUPPORTED.": {
@@ -153,7 +156,6 @@ KNOWN = {
             "asked for HIGH_LATENCY2",
             "asked for CAMERA_INFORMATION",
             "asked for GIMBAL_MANAGER_INFORMATION",
-            "asked for CURRENT_MODE",
         ],
     },
     "The capabilities are those that are there: no files, terrain, attitudes or calibration, but local setpoints.": {

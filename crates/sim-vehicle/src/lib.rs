@@ -25,6 +25,7 @@ mod personality;
 mod plans;
 mod rally;
 mod reposition;
+mod saying;
 mod services;
 mod settings;
 mod sticks;

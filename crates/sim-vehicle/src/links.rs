@@ -149,10 +149,7 @@ impl Links {
     }
 
     fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
-        let mut schedule = Schedule::new(&self.settings.rates, time);
-        for &(stream, interval) in self.settings.personality.streams() {
-            schedule.set_interval(stream, Some(interval), time);
-        }
+        let schedule = Schedule::new(&self.settings.rates, time);
         self.links.push(Link {
             peer,
             permanent,

@@ -68,6 +68,10 @@ pub struct TelemetryRates {
     pub global_position_int_hz: f64,
     /// VFR_HUD.
     pub vfr_hud_hz: f64,
+    /// EXTENDED_SYS_STATE.
+    pub extended_sys_state_hz: f64,
+    /// HOME_POSITION.
+    pub home_position_hz: f64,
     /// LOCAL_POSITION_NED.
     pub local_position_ned_hz: f64,
 }
@@ -158,6 +162,8 @@ impl Default for TelemetryRates {
             attitude_hz: 10.0,
             global_position_int_hz: 5.0,
             vfr_hud_hz: 4.0,
+            extended_sys_state_hz: 2.0,
+            home_position_hz: 0.5,
             local_position_ned_hz: 10.0,
         }
     }
@@ -173,6 +179,8 @@ impl TelemetryRates {
         attitude_hz: 0.0,
         global_position_int_hz: 0.0,
         vfr_hud_hz: 0.0,
+        extended_sys_state_hz: 0.0,
+        home_position_hz: 0.0,
         local_position_ned_hz: 0.0,
     };
 }

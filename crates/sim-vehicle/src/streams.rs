@@ -110,14 +110,14 @@ impl Stream {
             Stream::Attitude => Some(&mut rates.attitude_hz),
             Stream::GlobalPositionInt => Some(&mut rates.global_position_int_hz),
             Stream::VfrHud => Some(&mut rates.vfr_hud_hz),
+            Stream::ExtendedSysState => Some(&mut rates.extended_sys_state_hz),
+            Stream::HomePosition => Some(&mut rates.home_position_hz),
             Stream::LocalPositionNed => Some(&mut rates.local_position_ned_hz),
             Stream::ScaledImu
             | Stream::HighresImu
             | Stream::WindCov
             | Stream::RcChannels
             | Stream::GpsGlobalOrigin
-            | Stream::HomePosition
-            | Stream::ExtendedSysState
             | Stream::AutopilotVersion
             | Stream::ProtocolVersion => None,
         }
@@ -219,7 +219,9 @@ mod tests {
         assert_eq!(count(Stream::Heartbeat), 60);
         assert_eq!(count(Stream::VfrHud), 240);
         assert!((1_799..=1_800).contains(&count(Stream::Attitude)));
-        assert_eq!(count(Stream::HomePosition), 0);
+        assert_eq!(count(Stream::HomePosition), 30);
+        assert_eq!(count(Stream::ExtendedSysState), 120);
+        assert_eq!(count(Stream::AutopilotVersion), 0);
     }
 
     #[test]

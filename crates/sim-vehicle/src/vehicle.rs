@@ -13,11 +13,9 @@ use crate::plans::{PlanKind, Uploads};
 use crate::rally::Rally;
 use crate::services::target_system;
 use crate::sticks::Channels;
-use crate::streams::Stream;
-use crate::telemetry::Instruments;
 use crate::{LockstepSettings, Mode, SettingsError, VehicleCounters, VehicleSettings};
 use flight_model::{Setpoint, State};
-use mavlink_bridge::dialect::{MavSeverity, Message, STATUSTEXT_DATA};
+use mavlink_bridge::dialect::Message;
 use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -367,50 +365,6 @@ impl Vehicle {
             Mode::Guided => Ok(()),
             other => Err(SetpointRefused::NotGuided(other)),
         }
-    }
-
-    /// Says who and where it is to a new peer, who will be asked again in lockstep.
-    fn announce(&mut self, link: usize) {
-        self.links.begin_batch(Some(link));
-        self.send_stream(link, Stream::Heartbeat);
-        self.send_stream(link, Stream::LocalPositionNed);
-        self.links.end_batch();
-    }
-
-    pub(crate) fn send_stream(&mut self, link: usize, stream: Stream) {
-        self.with_instruments(|links, instruments| links.send_stream(link, stream, instruments));
-    }
-
-    pub(crate) fn send_stream_to_all(&mut self, stream: Stream) {
-        self.with_instruments(|links, instruments| links.send_all(&instruments.message(stream)));
-    }
-
-    pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
-        let text = text.get(..text.len().min(50)).unwrap_or_default();
-        let text = STATUSTEXT_DATA { severity, text: text.into(), ..STATUSTEXT_DATA::DEFAULT };
-        self.links.send_all(&Message::STATUSTEXT(text));
-    }
-
-    fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
-        let is_armable = self.against_arming().is_none();
-        let instruments = Instruments {
-            time: self.time,
-            system_id: self.settings.system_id,
-            personality: self.settings.personality,
-            flight: &self.flight,
-            frame: &self.settings.frame,
-            mission: &self.mission,
-            progress: &self.progress,
-            failsafe: self.is_in_failsafe(),
-            life: &self.life,
-            parameters: &self.parameters,
-            battery_level: self.failsafes.battery.level(),
-            fence: self.fence.report(&self.parameters),
-            is_armable,
-            channels: &self.channels,
-            clock_epoch_us: self.settings.clock_epoch_us,
-        };
-        send(&mut self.links, &instruments);
     }
 
     fn note_host_time(&mut self, now: Duration) {

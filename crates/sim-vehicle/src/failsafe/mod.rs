@@ -55,6 +55,10 @@ impl Failsafes {
 
 impl Vehicle {
     pub(crate) fn check_failsafes(&mut self) {
+        let is_awaited = self.failsafes.setpoints_until != Duration::MAX;
+        if is_awaited && !self.flight.is_flying() {
+            self.restart_setpoint_timeout();
+        }
         if self.time >= self.failsafes.setpoints_until {
             self.failsafes.setpoints_until = Duration::MAX;
             self.failsafes.setpoints_lost = true;
@@ -72,7 +76,7 @@ impl Vehicle {
         self.check_wind();
     }
 
-    /// The time-out runs while the vehicle flies in GUIDED.
+    /// The time-out runs while the vehicle flies in GUIDED; on the ground nothing is lost yet.
     pub(crate) fn restart_setpoint_timeout(&mut self) {
         let timeout_s = self.settings.setpoint_timeout_s;
         let runs = timeout_s > 0.0 && self.flight.is_armed() && self.flight.mode() == Mode::Guided;

@@ -15,7 +15,8 @@ impl Vehicle {
         }
         let airspeed_mps = self.flight.airspeed_mps();
         let bound_mps = if self.failsafes.is_blown_away { GONE_DOWN * airspeed_mps } else { airspeed_mps };
-        let is_blown_away = self.flight.is_armed() && wind_mps >= bound_mps;
+        let is_in_air = self.flight.is_flying() && !self.flight.is_on_ground();
+        let is_blown_away = is_in_air && wind_mps >= bound_mps;
         if std::mem::replace(&mut self.failsafes.is_blown_away, is_blown_away) == is_blown_away {
             return;
         }

@@ -95,9 +95,11 @@ fn flare_sink_mps(height_m: f64, state: &State) -> f64 {
     TOUCH_DOWN_SINK_MPS + share * (slope_mps - TOUCH_DOWN_SINK_MPS)
 }
 
-/// How far a flare from a height goes: the integral of the time that the rate of descent above takes.
+/// How far a flare from a height goes: the integral of the time that the rate of descent above takes. Against a strong
+/// wind the slope's rate is that of the end, and all of the height goes by it.
 fn flare_distance_m(height_m: f64, state: &State) -> f64 {
-    let gain_per_s = (SLOPE * state.speed_mps - TOUCH_DOWN_SINK_MPS).max(1e-3) / FLARE_HEIGHT_M;
     let height_m = height_m.clamp(0.0, FLARE_HEIGHT_M);
-    state.speed_mps * libm::log(flare_sink_mps(height_m, state) / TOUCH_DOWN_SINK_MPS) / gain_per_s
+    let excess = flare_sink_mps(height_m, state) / TOUCH_DOWN_SINK_MPS - 1.0;
+    let slowing = if excess > 1e-9 { libm::log1p(excess) / excess } else { 1.0 };
+    state.speed_mps * height_m / TOUCH_DOWN_SINK_MPS * slowing
 }

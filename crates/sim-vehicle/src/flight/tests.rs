@@ -1,4 +1,5 @@
 use super::*;
+use flight_model::Wind;
 
 fn settings() -> VehicleSettings {
     let start = State { x_m: 5.0, y_m: -3.0, altitude_m: 50.0, speed_mps: 10.0, course_rad: 0.3, climb_mps: 0.0 };
@@ -199,4 +200,28 @@ fn who_dives_into_the_ground_stays_there_disarmed() {
     assert!(fly_to_ground(&mut flight) > 3.0);
     assert!(!flight.is_armed() && !flight.is_flying());
     assert_eq!(flight.state().speed_mps, 0.0);
+}
+
+#[test]
+fn a_landing_in_wind_touches_down_near_its_place() {
+    for wind_mps in [3.0, 6.0] {
+        for from_deg in [0.0, 45.0, 90.0, 180.0, 225.0, 315.0_f64] {
+            for (x, y) in [(400.0, 0.0), (-150.0, 200.0), (20.0, -10.0)] {
+                let wind = Wind::from_direction(wind_mps, from_deg.to_radians());
+                let mut flight = Flight::new(&VehicleSettings { mode: Mode::Auto, ..settings() });
+                flight.land_at((x, y));
+                let Event::TouchedDown { sink_mps } = (0..100_000)
+                    .find_map(|_| {
+                        flight.feel(wind, None);
+                        flight.step()
+                    })
+                    .unwrap();
+                let miss_m = from_centre(flight.state(), (x, y));
+                assert!(
+                    sink_mps < 0.4 && miss_m < 8.0,
+                    "{sink_mps} {miss_m} at ({x}, {y}), {wind_mps} m/s from {from_deg}"
+                );
+            }
+        }
+    }
 }

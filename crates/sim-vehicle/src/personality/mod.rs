@@ -4,6 +4,9 @@
 //! What is here is what differs; all else is the same for all of them, and ArduPlane's. Each autopilot is one module,
 //! which reads as a page about it.
 
+// Autopilots and ground stations still speak what the dialect calls superseded.
+#![allow(deprecated)]
+
 mod arduplane;
 mod generic;
 mod modes;
@@ -13,15 +16,14 @@ mod targets;
 use crate::commands::{Command, Refusal};
 use crate::mission;
 use crate::parameters::Parameter;
-use crate::streams::Stream;
 use crate::{Mode, Vehicle};
-use mavlink_bridge::PlanItem;
+
 use mavlink_bridge::dialect::{
-    MavAutopilot, MavModeFlag, MavParamType, MavProtocolCapability, SET_POSITION_TARGET_GLOBAL_INT_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA,
+    MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavAutopilot, MavMissionType, MavModeFlag, MavParamType,
+    MavProtocolCapability, Message, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
+use mavlink_bridge::{PlanItem, Target};
 use std::fmt;
-use std::time::Duration;
 
 /// The autopilot that a vehicle passes for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -92,7 +94,6 @@ impl Personality {
     }
 
     /// How parameters are written, beside what every vehicle can do.
-    #[allow(deprecated)] // older ground stations know only the first name of the encoding
     pub(crate) fn capabilities(self) -> MavProtocolCapability {
         let encoding = match self {
             Personality::ArduPlane | Personality::Generic => {
@@ -133,13 +134,20 @@ impl Personality {
         }
     }
 
-    /// What it sends unasked beside what the settings say.
-    pub(crate) fn streams(self) -> &'static [(Stream, Duration)] {
-        const UNASKED: &[(Stream, Duration)] =
-            &[(Stream::HomePosition, Duration::from_secs(2)), (Stream::ExtendedSysState, Duration::from_millis(500))];
+    /// How it asks for an item of an upload.
+    /// ArduPlane still asks by the older message, and some clients (dronekit) answer no other.
+    pub(crate) fn item_request(self, seq: u16, to: Target, mission_type: MavMissionType) -> Message {
+        let Target { system_id: target_system, component_id: target_component } = to;
         match self {
-            Personality::ArduPlane => &[],
-            Personality::Px4 | Personality::Generic => UNASKED,
+            Personality::ArduPlane | Personality::Generic => {
+                Message::MISSION_REQUEST(MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type })
+            }
+            Personality::Px4 => Message::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
+                seq,
+                target_system,
+                target_component,
+                mission_type,
+            }),
         }
     }
 

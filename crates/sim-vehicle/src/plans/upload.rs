@@ -1,11 +1,8 @@
 //! Uploads. One replaces its plan when the last item has come and all of them make sense, and not before.
 
-// Clients still speak what the dialect calls superseded, and ArduPlane answers.
-#![allow(deprecated)]
-
 use super::PlanKind;
 use crate::{Mode, PeerId, Vehicle};
-use mavlink_bridge::dialect::{MISSION_REQUEST_DATA, MavMissionResult, MavSeverity, Message};
+use mavlink_bridge::dialect::{MavMissionResult, MavSeverity};
 use mavlink_bridge::{PlanItem, Target};
 use std::time::Duration;
 
@@ -219,12 +216,8 @@ impl Vehicle {
 
     fn ask_for_item(&mut self, link: usize, kind: PlanKind) {
         let Some(upload) = self.uploads.of(kind) else { return };
-        let Target { system_id: target_system, component_id: target_component } = upload.writer.sender;
-        let (seq, mission_type) = (upload.next(), kind.mission_type());
-        // Not MISSION_REQUEST_INT: ArduPlane asks by the older message, takes either item for an answer, and some clients
-        // (dronekit) know no other.
-        let request = MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type };
-        self.links.send(link, &Message::MISSION_REQUEST(request));
+        let request = self.settings.personality.item_request(upload.next(), upload.writer.sender, kind.mission_type());
+        self.links.send(link, &request);
     }
 
     /// The last item has come.
