@@ -4,88 +4,27 @@
 """
 
 KNOWN = {
-    "AUTO without a mission is FAILED; ArduPlane goes to RTL.": {
-        "arming": [
-            "a mission is begun unarmed",
-            "back to MANUAL",
-            "to AUTO",
-            "arm in AUTO without a mission",
-            "disarm in AUTO",
-        ],
-        "modes on the ground": ["mode 10", "mode 11"],
-        "modes in the air": ["mode 10"],
-        "commands in the air": ["MISSION_START without a mission"],
-        "every command": ["MISSION_START"],
-        "mission commands": ["AUTO without a mission, on the ground", "AUTO without a mission", "back to LOITER"],
-    },
     "TRAINING, ACRO, AUTOTUNE, AVOID_ADSB, LOITER_ALT_QLAND and AUTOLAND are not simulated.": {
         "modes on the ground": ["mode 3", "mode 4", "mode 8", "mode 14", "mode 25"],
         "modes in the air": ["mode 3", "mode 4", "mode 8", "mode 14", "mode 25", "mode 26"],
     },
-    "PROTOCOL_VERSION, PING and WIND_COV are answered, SET_MODE is acknowledged.": {
+    "PROTOCOL_VERSION, CURRENT_MODE, PING and WIND_COV are answered, SET_MODE is acknowledged as command 11.": {
         "modes on the ground": ["by SET_MODE", "by SET_MODE, one that is not there"],
         "every command": ["REQUEST_PROTOCOL_VERSION"],
         "connection": [
             "asked for PROTOCOL_VERSION",
             "asked for WIND_COV",
+            "asked for CURRENT_MODE",
             "the older request for the protocol's version",
             "PING",
         ],
     },
-    "Not yet as in ArduPlane, one line each in tests/differences.py.": {
-        "guided commands on the ground": ["on the ground: altitude in frame 99"],
-        "guided commands in the air": ["in LOITER: altitude in frame 99"],
-        "reposition": ["in frame 99", "where it is: latitude and longitude of zero"],
+    "Commands to cameras, gimbals, servos, relays, parachutes and other devices that are not simulated, and those that calibrate, reboot or end a flight, are UNSUPPORTED.": {
         "commands in the air": [
-            "LOITER: DO_CHANGE_ALTITUDE in frame GLOBAL",
-            "LOITER: DO_CHANGE_ALTITUDE in frame LOCAL_NED",
-            "LOITER: DO_CHANGE_ALTITUDE in frame MISSION",
-            "LOITER: DO_CHANGE_ALTITUDE in frame GLOBAL_RELATIVE_ALT",
-            "LOITER: DO_CHANGE_ALTITUDE in frame GLOBAL_INT",
-            "LOITER: DO_CHANGE_ALTITUDE in frame GLOBAL_RELATIVE_ALT_INT",
-            "LOITER: DO_CHANGE_ALTITUDE in frame BODY_NED",
-            "LOITER: DO_CHANGE_ALTITUDE in frame GLOBAL_TERRAIN_ALT",
-            "LOITER: DO_CHANGE_ALTITUDE in frame GLOBAL_TERRAIN_ALT_INT",
-            "LOITER: DO_CHANGE_ALTITUDE in frame 99",
-            "LOITER: DO_CHANGE_ALTITUDE by COMMAND_LONG",
-            "GUIDED: DO_CHANGE_SPEED, throttle",
-            "GUIDED: DO_CHANGE_SPEED, the default",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame GLOBAL",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame LOCAL_NED",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame MISSION",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame GLOBAL_RELATIVE_ALT",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame GLOBAL_INT",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame GLOBAL_RELATIVE_ALT_INT",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame BODY_NED",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame GLOBAL_TERRAIN_ALT",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame GLOBAL_TERRAIN_ALT_INT",
-            "GUIDED: DO_CHANGE_ALTITUDE in frame 99",
-            "GUIDED: DO_CHANGE_ALTITUDE by COMMAND_LONG",
-            "DO_SET_MISSION_CURRENT without a mission",
+            "PREFLIGHT_CALIBRATION",
+            "PREFLIGHT_REBOOT_SHUTDOWN",
+            "DO_FLIGHTTERMINATION of zero",
         ],
-        "every command": ["NAV_TAKEOFF", "GET_MESSAGE_INTERVAL"],
-        "missions": [
-            "there is none at first",
-            "current is beyond the end, by command",
-            "current is below zero, by command",
-            "an item that nobody asked for",
-            "an upload that stops",
-        ],
-        "fences": ["all kinds cleared"],
-        "fence breach": ["a place outside"],
-        "connection": ["who it is", "its capabilities"],
-        "parameters": ["read TKOFF_ALT"],
-        "message intervals": [
-            "a message that nobody knows",
-            "a message that is not sent",
-            "what it is",
-            "what it is, by REQUEST_MESSAGE",
-            "what it is of a message that nobody knows",
-        ],
-        "home": ["set to a latitude that is none"],
-    },
-    "Commands to cameras, gimbals, servos, relays, parachutes and other devices that are not simulated are UNSUPPORTED.": {
-        "commands in the air": ["PREFLIGHT_CALIBRATION", "PREFLIGHT_REBOOT_SHUTDOWN", "DO_FLIGHTTERMINATION of zero"],
         "every command": [
             "DO_SET_RELAY",
             "DO_REPEAT_RELAY",
@@ -134,13 +73,20 @@ KNOWN = {
             "SET_HAGL",
         ],
     },
+    "NAV_TAKEOFF is FAILED by COMMAND_INT too, whatever its frame.": {
+        "every command": ["NAV_TAKEOFF"],
+    },
     "Some warnings of ArduPlane are not there: of older messages, of terrain, and of a failsafe that goes on.": {
         "every command": ["one that nobody knows"],
         "missions": ["one item, by the older message"],
         "mission items": ["with DO_RETURN_PATH_START", "in frame GLOBAL_TERRAIN_ALT"],
         "ground station lost": ["to GUIDED while nobody is heard"],
     },
-    "MISSION_CURRENT is 1 as soon as there is a mission, and every item that is passed is reached once.": {
+    "A mission of nothing counts 0 items; ArduPlane counts home, until it is cleared.": {
+        "missions": ["there is none at first"],
+        "every command": ["DO_SET_MISSION_CURRENT"],
+    },
+    "MISSION_CURRENT is 1 as soon as there is a mission, and every item that is flown is reached once, NAV_LAND on the ground too.": {
         "missions": ["a good one", "current is 0", "nothing at all", "clear"],
         "mission parts": ["a good one"],
         "mission items": ["with NAV_WAYPOINT"],
@@ -153,9 +99,11 @@ KNOWN = {
             "down, and disarmed",
         ],
     },
-    "An upload that is refused or given up leaves the plan before it whole, and DO_JUMP and DO_CHANGE_SPEED are checked for sense.": {
-        "missions": ["after it the one before is there, or not", "an upload with a gap"],
-        "mission items": ["with DO_JUMP", "with DO_CHANGE_SPEED", "with a jump beyond the end"],
+    "An upload that stops is given up after 8 s of the clock on the wall, at any speed of the simulation, and a gap is asked for again after 0.4 s.": {
+        "missions": ["an upload that stops", "an upload with a gap"],
+    },
+    "An upload that is refused or given up leaves the plan before it whole; ArduPlane cuts the old one at its beginning.": {
+        "missions": ["after it the one before is there, or not"],
         "rally points": ["and back: a waypoint", "and back: a latitude that is none"],
     },
     "NAV_ALTITUDE_WAIT, NAV_VTOL_TAKEOFF, NAV_VTOL_LAND, NAV_PAYLOAD_PLACE and NAV_SET_YAW_SPEED are UNSUPPORTED in missions.": {
@@ -165,7 +113,10 @@ KNOWN = {
             "with NAV_VTOL_LAND",
             "with NAV_PAYLOAD_PLACE",
             "with NAV_SET_YAW_SPEED",
-        ]
+        ],
+    },
+    "DO_JUMP to an item that is not there and a DO_CHANGE_SPEED of 0 are INVALID_PARAM in a mission.": {
+        "mission items": ["with DO_JUMP", "with DO_CHANGE_SPEED", "with a jump beyond the end"],
     },
     "Items come back as they were uploaded, with all their parameters.": {
         "mission items": [
@@ -178,27 +129,17 @@ KNOWN = {
             "and back: time on a circle",
             "and back: a speed",
         ],
-        "fences": [
-            "and back: a polygon",
-            "and back: a polygon and a circle to keep out of",
-            "and back: a circle to keep in",
-            "and back: a polygon to keep out of",
-            "and back: a return point",
-            "and back: a polygon of two corners",
-            "and back: a polygon with a corner missing",
-            "and back: a polygon whose corners disagree",
-            "and back: a circle of no radius",
-            "and back: a circle of a radius below zero",
-            "and back: a waypoint",
-            "and back: a latitude that is none",
-            "and back: a local frame",
-        ],
+    },
+    "A fence of fewer than three corners and circles stays; ArduPlane 4.7-dev loses it when it replaces a larger one.": {
+        "fences": ["and back: a circle to keep in"],
+    },
+    "MISSION_CLEAR_ALL of type 255 clears everything; ArduPlane says UNSUPPORTED.": {
+        "fences": ["all kinds cleared"],
     },
     "Messages about what is not simulated are not there to be asked for.": {
         "connection": [
             "asked for SCALED_IMU2",
             "asked for SERVO_OUTPUT_RAW",
-            "asked for RC_CHANNELS",
             "asked for NAV_CONTROLLER_OUTPUT",
             "asked for POWER_STATUS",
             "asked for MEMINFO",
@@ -215,10 +156,14 @@ KNOWN = {
             "asked for HIGH_LATENCY2",
             "asked for CAMERA_INFORMATION",
             "asked for GIMBAL_MANAGER_INFORMATION",
-            "asked for AVAILABLE_MODES",
-        ]
+        ],
     },
-    "WP_RADIUS is 15 m at first.": {"parameters": ["read one"]},
+    "The capabilities are those that are there: no files, terrain, attitudes or calibration, but local setpoints.": {
+        "connection": ["its capabilities"],
+    },
+    "WP_RADIUS is 15 m at first.": {
+        "parameters": ["read one"],
+    },
     "A parameter that is not there, or a value out of its range, is refused in words; ArduPlane says nothing, and takes any number.": {
         "parameters": [
             "read one that is not there",
@@ -230,7 +175,7 @@ KNOWN = {
             "set TKOFF_ALT to 100000, out of its range",
             "set ROLL_LIMIT_DEG to -1, out of its range",
             "set one that is read only",
-        ]
+        ],
     },
     "Parameters that would change nothing are not there.": {
         "parameters": [
@@ -240,7 +185,6 @@ KNOWN = {
             "read SCHED_LOOP_RATE",
             "set STAB_PITCH_DOWN",
             "read STAB_PITCH_DOWN",
-        ]
+        ],
     },
-    "A broken value for a whole number is rounded, not cut.": {"parameters": ["set a whole number to a broken one"]},
 }

@@ -1,7 +1,7 @@
 """The questions that QGroundControl and MAVProxy ask when they connect: each has an answer or a refusal."""
 
 import pytest
-from ground import ACCEPTED, FAILED, UNSUPPORTED
+from ground import ACCEPTED, DENIED, FAILED, UNSUPPORTED
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 PLANS = [mavlink.MAV_MISSION_TYPE_MISSION, mavlink.MAV_MISSION_TYPE_FENCE, mavlink.MAV_MISSION_TYPE_RALLY]
@@ -106,7 +106,7 @@ def qgroundcontrol():
     for number in range(521, 528):
         yield f"command {number}", command(number, 1), (None, UNSUPPORTED)
     for kind in ("GIMBAL_MANAGER_STATUS", "GIMBAL_DEVICE_ATTITUDE_STATUS"):
-        yield f"rate of {kind}", command(INTERVAL, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}"), 1e6), (None, FAILED)
+        yield f"rate of {kind}", command(INTERVAL, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}"), 1e6), (None, DENIED)
     yield "rate of home", command(INTERVAL, mavlink.MAVLINK_MSG_ID_HOME_POSITION, 1e6), ("HOME_POSITION", ACCEPTED)
     yield "rate", command(INTERVAL, mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 1e6), ("EXTENDED_SYS_STATE", ACCEPTED)
     yield "logs", lambda mav, to: mav.log_request_list_send(*to, 0, 0xFFFF), ("LOG_ENTRY", None)

@@ -52,7 +52,7 @@ def place(north, east):
 
 def test_it_stands_disarmed_in_manual_and_at_home(grounded):
     heartbeat = grounded.wait(["HEARTBEAT"])
-    assert (heartbeat.base_mode, heartbeat.custom_mode) == (65, MANUAL)
+    assert (heartbeat.base_mode, heartbeat.custom_mode) == (81, MANUAL)
     assert heartbeat.system_status == mavlink.MAV_STATE_STANDBY
     assert landed_state(grounded) == ON_GROUND
     assert {(at.x_m, at.y_m, at.altitude_m, at.speed_mps) for at in grounded.samples(5)} == {(0, 0, 0, 0)}

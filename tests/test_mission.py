@@ -100,10 +100,13 @@ def test_a_gap_and_an_oversize_are_refused(craft, uploader):
     assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_NO_SPACE
 
 
-def test_without_a_mission_auto_fails(craft):
-    assert craft.set_mode(AUTO) == FAILED
-    assert craft.command_long(mavlink.MAV_CMD_MISSION_START) == FAILED
-    assert craft.mode() == GUIDED
+def test_without_a_mission_auto_returns(craft):
+    """As ArduPlane does: accepted, and RTL."""
+    for start in (lambda: craft.set_mode(AUTO), lambda: craft.command_long(mavlink.MAV_CMD_MISSION_START)):
+        assert craft.set_mode(GUIDED) == ACCEPTED
+        assert start() == ACCEPTED
+        assert craft.text().text == "Auto: no mission, RTL"
+        assert craft.mode() == RTL
 
 
 def test_the_old_messages_work_too(craft):

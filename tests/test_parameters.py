@@ -55,8 +55,8 @@ def test_a_write_is_answered_and_acts(craft):
     assert read(craft, "AIRSPEED_MAX").param_value == 12
 
 
-def test_whole_numbers_are_rounded_whatever_type_is_claimed(craft):
-    assert write(craft, "WP_LOITER_RAD", 44.6, INT8).param_value == 45
+def test_whole_numbers_are_cut_whatever_type_is_claimed(craft):
+    assert write(craft, "WP_LOITER_RAD", 44.6, INT8).param_value == 44
     assert write(craft, "WP_LOITER_RAD", 50, 0).param_value == 50, "no such type: ArduPlane does not look"
 
 

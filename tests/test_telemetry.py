@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from ground import ACCEPTED
+from ground import ACCEPTED, DENIED, FAILED
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 EARTH_RADIUS_M = 6_378_137.0
@@ -55,6 +55,32 @@ def test_a_rate_can_be_asked_for(craft):
     stamps = [message.time_boot_ms for message in craft.collect(["LOCAL_POSITION_NED"], 2)]
     assert {after - before for before, after in zip(stamps, stamps[1:])} == {20}
     assert 38 <= len(craft.collect(["VFR_HUD"], 2)) <= 42
+
+
+@pytest.mark.parametrize(
+    ("message_id", "interval_us", "result"),
+    [
+        (mavlink.MAVLINK_MSG_ID_VFR_HUD, 50_000, ACCEPTED),
+        (mavlink.MAVLINK_MSG_ID_SCALED_IMU, -1, ACCEPTED),
+        (12_999, 0, FAILED),
+    ],
+    ids=["one that comes", "one that does not", "one that nobody knows"],
+)
+def test_an_interval_is_told(craft, message_id, interval_us, result):
+    assert craft.set_rate(mavlink.MAVLINK_MSG_ID_VFR_HUD, 20) == ACCEPTED
+    for command, params in {
+        mavlink.MAV_CMD_GET_MESSAGE_INTERVAL: (message_id,),
+        mavlink.MAV_CMD_REQUEST_MESSAGE: (mavlink.MAVLINK_MSG_ID_MESSAGE_INTERVAL, message_id),
+    }.items():
+        craft.link.mav.command_long_send(craft.system, 1, command, 0, *params, *[0] * (7 - len(params)))
+        told = craft.wait(["MESSAGE_INTERVAL"])
+        assert (told.message_id, told.interval_us) == (message_id, interval_us)
+        assert craft.acknowledged(command) == result
+
+
+def test_the_interval_of_an_unknown_message_is_not_set(craft):
+    assert craft.set_rate(12_999, 1) == DENIED
+    assert craft.text().text == "Message 12999 is not available"
 
 
 def test_system_time_runs_with_the_time_since_boot(craft):

@@ -8,11 +8,11 @@
 #![allow(deprecated)]
 
 use crate::parameters::Parameter;
-use crate::settings::RATE_PER_STEP_MAX;
 use crate::streams::Stream;
-use crate::{Mode, Vehicle};
-use mavlink_bridge::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavModeFlag, MavResult};
-use std::time::Duration;
+use crate::{Mode, Personality, Vehicle};
+use mavlink_bridge::dialect::{
+    COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity,
+};
 
 /// A command, whichever message carried it.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,16 @@ pub(crate) struct Refusal {
     /// For a STATUSTEXT, at most 50 characters.
     pub reason: Option<String>,
 }
+
+/// The frames that an altitude can be in.
+const GLOBAL_FRAMES: [MavFrame; 6] = [
+    MavFrame::MAV_FRAME_GLOBAL,
+    MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+    MavFrame::MAV_FRAME_GLOBAL_INT,
+    MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+    MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT,
+    MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
+];
 
 impl From<&COMMAND_LONG_DATA> for Command {
     fn from(data: &COMMAND_LONG_DATA) -> Self {
@@ -107,16 +117,6 @@ impl Refusal {
     pub fn unsupported() -> Self {
         Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None }
     }
-
-    /// For a command message with a value that the dialect does not know: either the command itself, or, in a command
-    /// that is known here, its frame.
-    pub fn unreadable(number: u16) -> Self {
-        const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
-        match number {
-            GUIDED_CHANGE_ALTITUDE => Self::denied("Altitude: unknown frame"),
-            _ => Self::unsupported(),
-        }
-    }
 }
 
 /// Params are compared as integers with what follows the point cut off, as ArduPlane does.
@@ -168,9 +168,11 @@ impl Vehicle {
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.guided_speed([p1, p2, p3]),
             MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => self.guided_altitude(p3, command.z, command.frame),
             MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.guided_heading([p1, p2, p3]),
-            MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.change_speed([p1, p2]),
+            MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.change_speed([p1, p2, p3]),
+            MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => self.change_altitude([p1, p2]),
+            MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL => self.tell_message_interval(p1, link),
             MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => self.set_message_interval([p1, p2], link),
-            MavCmd::MAV_CMD_REQUEST_MESSAGE => self.request_message(p1, link),
+            MavCmd::MAV_CMD_REQUEST_MESSAGE => self.request_message([p1, p2], link),
             MavCmd::MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => {
                 self.answer_old_request(p1, Stream::AutopilotVersion, link)
             }
@@ -180,6 +182,21 @@ impl Vehicle {
                 Ok(())
             }
             _ => Err(Refusal::unsupported()),
+        }
+    }
+
+    /// For a command message with a value that the dialect does not know: either the command itself, or, in a command
+    /// that is known here, its frame.
+    pub(crate) fn refuse_unreadable(&self, number: u16) -> Refusal {
+        const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
+        const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
+        match number {
+            GUIDED_CHANGE_ALTITUDE => match self.check_guided_command("Altitude") {
+                Ok(()) => Refusal::denied("Altitude: unknown frame"),
+                Err(refusal) => refusal,
+            },
+            DO_REPOSITION => Refusal::denied("Reposition: unknown frame"),
+            _ => Refusal::unsupported(),
         }
     }
 
@@ -195,15 +212,21 @@ impl Vehicle {
         self.enter(mode)
     }
 
-    /// AUTO needs a mission.
+    /// Sets a mode. AUTO needs a mission: without one an ArduPlane returns.
     pub(crate) fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
-        if mode == Mode::Auto && !self.mission.is_flyable() {
+        let has_nothing_to_fly = mode == Mode::Auto && !self.mission.is_flyable();
+        if has_nothing_to_fly && self.settings.personality != Personality::ArduPlane {
             return Err(Refusal::failed("Auto: no mission"));
         }
         if let Some(reason) = self.fence_forbids(mode) {
             return Err(Refusal::failed(reason));
         }
-        self.set_mode(mode);
+        if has_nothing_to_fly {
+            self.say(MavSeverity::MAV_SEVERITY_WARNING, "Auto: no mission, RTL");
+            self.set_mode(Mode::Rtl);
+        } else {
+            self.set_mode(mode);
+        }
         Ok(())
     }
 
@@ -259,7 +282,7 @@ impl Vehicle {
         self.check_guided_command("Altitude")?;
         check_finite("Altitude", &[rate_mps])?;
         let altitude_m = self.guided_altitude_m("Altitude", z, frame)?;
-        self.flight.set_altitude(altitude_m, limit_or_none(rate_mps));
+        self.flight.slew_altitude(altitude_m, limit_or_none(rate_mps));
         self.restart_setpoint_timeout();
         Ok(())
     }
@@ -305,60 +328,38 @@ impl Vehicle {
         Ok(())
     }
 
-    /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s.
-    fn change_speed(&mut self, [kind, speed_mps]: [f32; 2]) -> Result<(), Refusal> {
+    /// Param 1: altitude in m. Param 2: the frame that says above what. While a GUIDED_CHANGE_ALTITUDE is flown it is
+    /// accepted and has no effect, as in ArduPlane.
+    fn change_altitude(&mut self, [altitude_m, frame]: [f32; 2]) -> Result<(), Refusal> {
+        check_finite("Altitude", &[altitude_m, frame])?;
+        let known = GLOBAL_FRAMES.into_iter().find(|known| *known as i64 == integer(frame));
+        let frame = known.ok_or_else(|| Refusal::denied(format!("Altitude: frame {frame} is not accepted")))?;
+        let altitude_m = self.altitude_m("Altitude", altitude_m, frame)?;
+        if self.mode().is_manual() {
+            return Err(Refusal::denied(format!("Altitude: mode is {}", self.mode())));
+        }
+        if !self.flight.is_altitude_slewed() {
+            self.flight.set_altitude(altitude_m, f64::INFINITY);
+            self.restart_setpoint_timeout();
+        }
+        Ok(())
+    }
+
+    /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s, or -2 for AIRSPEED_CRUISE. Param 3: a throttle in percent,
+    /// which has no effect on how this flight model flies.
+    fn change_speed(&mut self, [kind, speed_mps, throttle_percent]: [f32; 3]) -> Result<(), Refusal> {
         self.check_guided_command("Speed")?;
         check_finite("Speed", &[kind, speed_mps])?;
         if !(0..=1).contains(&integer(kind)) {
             return Err(Refusal::failed("Speed: only air and ground speed can be set"));
         }
-        self.check_speed(speed_mps)?;
-        self.flight.set_speed(f64::from(speed_mps), f64::INFINITY);
-        Ok(())
-    }
-
-    /// Param 1: message id. Param 2: microseconds between two, 0 for the default, -1 for never. For this link only.
-    fn set_message_interval(&mut self, [id, interval_us]: [f32; 2], link: usize) -> Result<(), Refusal> {
-        check_finite("Interval", &[id, interval_us])?;
-        let stream = known_stream(id)?;
-        let interval = match integer(interval_us) {
-            -1 => None,
-            0 => stream.default_interval(&self.settings.rates),
-            us => {
-                let shortest = self.settings.step.div_f64(RATE_PER_STEP_MAX);
-                let interval = Duration::from_micros(u64::try_from(us).unwrap_or(1)).min(Duration::from_secs(60));
-                if interval < shortest {
-                    let rate_hz = 1.0 / interval.as_secs_f64();
-                    return Err(Refusal::denied(format!("Requested rate {rate_hz:.0} Hz is too fast")));
-                }
-                Some(interval)
-            }
-        };
-        self.links.set_interval(link, stream, interval, self.time);
-        Ok(())
-    }
-
-    /// Commands of their own for one message each, older than REQUEST_MESSAGE. Param 1: 1 to be sent it.
-    fn answer_old_request(&mut self, p1: f32, stream: Stream, link: usize) -> Result<(), Refusal> {
-        if p1 != 1.0 {
-            return Err(Refusal::failed("Request: param 1 is not 1"));
+        let usual = integer(kind) == 0 && speed_mps == -2.0;
+        let speed_mps = if usual { self.parameters.get(Parameter::AirspeedCruise) } else { speed_mps };
+        match self.check_speed(speed_mps) {
+            Ok(()) => self.flight.set_speed(f64::from(speed_mps), f64::INFINITY),
+            Err(_) if throttle_percent > 0.0 && throttle_percent <= 100.0 => {}
+            Err(refusal) => return Err(refusal),
         }
-        self.send_stream(link, stream);
         Ok(())
     }
-
-    fn request_message(&mut self, id: f32, link: usize) -> Result<(), Refusal> {
-        check_finite("Request", &[id])?;
-        let stream = known_stream(id)?;
-        self.send_stream(link, stream);
-        Ok(())
-    }
-}
-
-fn known_stream(id: f32) -> Result<Stream, Refusal> {
-    let number = integer(id);
-    u32::try_from(number)
-        .ok()
-        .and_then(Stream::from_message_id)
-        .ok_or_else(|| Refusal::failed(format!("Message {number} is not available")))
 }

@@ -24,7 +24,7 @@ impl Vehicle {
             return Err(Refusal::failed("Home: param 1 is neither 0 nor 1"));
         }
         if latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
-            return Err(Refusal::denied("Home: no such place"));
+            return Err(Refusal::failed("Home: no such place"));
         }
         if command.z.is_nan() || command.z.abs() > ALTITUDE_MAX_M {
             return Err(Refusal::denied("Home: no such altitude"));

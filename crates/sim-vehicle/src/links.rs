@@ -210,6 +210,11 @@ impl Links {
         self.find_next_due();
     }
 
+    /// The time between two messages of a stream on one link; none if it is off.
+    pub fn interval(&self, index: usize, stream: Stream) -> Option<Duration> {
+        self.links[index].schedule.interval(stream)
+    }
+
     /// The time between two messages of a stream on one link; none switches it off.
     pub fn set_interval(&mut self, index: usize, stream: Stream, interval: Option<Duration>, time: Duration) {
         self.links[index].schedule.set_interval(stream, interval, time);

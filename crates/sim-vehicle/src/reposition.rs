@@ -8,7 +8,8 @@ impl Vehicle {
     /// anticlockwise if it is a number other than 0. x, y, z: the place. Param 1, a speed, is not read.
     pub(crate) fn reposition(&mut self, command: &Command) -> Result<(), Refusal> {
         let Some((latitude_e7, longitude_e7)) = command.place_e7 else { return Err(Refusal::unsupported()) };
-        if latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
+        let is_none = (latitude_e7, longitude_e7) == (0, 0);
+        if is_none || latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
             return Err(Refusal::denied("Reposition: no such place"));
         }
         let altitude_m = self.guided_altitude_m("Reposition", command.z, command.frame)?;

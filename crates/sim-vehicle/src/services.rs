@@ -59,7 +59,8 @@ impl Vehicle {
             Ok(_) => {}
             Err(_) => {
                 if let Some(raw) = raw_command(frame) {
-                    self.obey(link, raw.command, sender, Err(Refusal::unreadable(raw.command)));
+                    let refusal = self.refuse_unreadable(raw.command);
+                    self.obey(link, raw.command, sender, Err(refusal));
                 }
             }
         }

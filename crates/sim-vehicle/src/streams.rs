@@ -159,6 +159,11 @@ impl Schedule {
         self.next
     }
 
+    /// The time between two messages of a stream; none if it is off.
+    pub fn interval(&self, stream: Stream) -> Option<Duration> {
+        self.interval[stream as usize]
+    }
+
     /// Sets the time between two messages of a stream; none switches it off.
     pub fn set_interval(&mut self, stream: Stream, interval: Option<Duration>, time: Duration) {
         let index = stream as usize;

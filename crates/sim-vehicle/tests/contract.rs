@@ -112,7 +112,7 @@ fn what_is_refused_changes_nothing_and_says_why() {
     for message in [
         long(TARGET, MAV_CMD_GUIDED_CHANGE_SPEED, [0.0, NAN, 0.0]),
         long(TARGET, MAV_CMD_GUIDED_CHANGE_HEADING, [0.0, 90.0, NAN]),
-        long(TARGET, MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]),
+        long(TARGET, MAV_CMD_DO_SET_MODE, [1.0, 9.0, 0.0]),
         long(TARGET, MAV_CMD_DO_SET_MODE, [1.0, NAN, 0.0]),
         long(TARGET, MAV_CMD_COMPONENT_ARM_DISARM, [0.0, 0.0, 0.0]),
     ] {
@@ -133,7 +133,7 @@ fn modes_are_set_by_command_and_by_the_old_message() {
         (1.0, 12.0, MAV_RESULT_ACCEPTED),
         (217.0, 7.0, MAV_RESULT_ACCEPTED),
         (1.0, 11.0, MAV_RESULT_ACCEPTED),
-        (1.0, 10.0, MAV_RESULT_FAILED),
+        (1.0, 9.0, MAV_RESULT_FAILED),
         (1.0, 99.0, MAV_RESULT_FAILED),
         (1.0, -15.0, MAV_RESULT_FAILED),
         (0.0, 15.0, MAV_RESULT_DENIED),
@@ -319,7 +319,7 @@ fn message_rates_are_set_for_the_asking_link() {
     let mut interval = |id: f32, us: f32| client.command_long(MAV_CMD_SET_MESSAGE_INTERVAL, [id, us, 0.0]).unwrap();
     assert_eq!(interval(32.0, 50_000.0), MAV_RESULT_ACCEPTED);
     assert_eq!(interval(32.0, 10_000.0), MAV_RESULT_DENIED, "100 Hz is more than 0.8 of the step rate");
-    assert_eq!(interval(9_999.0, 50_000.0), MAV_RESULT_FAILED);
+    assert_eq!(interval(9_999.0, 50_000.0), MAV_RESULT_DENIED);
     assert_eq!(interval(32.0, NAN), MAV_RESULT_DENIED);
     client.fly(10.0);
     let received = client.collect();

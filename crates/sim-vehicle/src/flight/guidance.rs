@@ -30,6 +30,16 @@ pub(crate) struct RallyPlace {
 }
 
 impl Flight {
+    /// Altitude setpoint of a guided command, as [`set_altitude`](Self::set_altitude); known as such until the next one.
+    pub fn slew_altitude(&mut self, altitude_m: f64, rate_mps: f64) {
+        self.set_altitude(altitude_m, rate_mps);
+        self.altitude_is_slewed = true;
+    }
+
+    pub fn is_altitude_slewed(&self) -> bool {
+        self.altitude_is_slewed
+    }
+
     /// Where RTL will go when it is entered; none: home.
     pub fn set_rally(&mut self, rally: Option<RallyPlace>) {
         self.rally = rally;

@@ -48,6 +48,8 @@ pub(crate) struct Flight {
     speed: Ramp,
     speed_is_over_ground: bool,
     altitude: Ramp,
+    /// Whether a guided command asked for that altitude.
+    altitude_is_slewed: bool,
     direction: Direction,
 }
 
@@ -111,6 +113,7 @@ impl Flight {
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
             altitude: Ramp::at(start.altitude_m),
+            altitude_is_slewed: false,
             direction: Direction::Course(start.course_rad),
         };
         if settings.on_ground {
@@ -271,6 +274,7 @@ impl Flight {
 
     /// Altitude setpoint, m above the origin, reached at no more than a rate in m/s (infinite: at once).
     pub fn set_altitude(&mut self, altitude_m: f64, rate_mps: f64) {
+        self.altitude_is_slewed = false;
         let value = if rate_mps.is_finite() { self.state.altitude_m } else { altitude_m };
         self.altitude = Ramp { value, target: altitude_m, per_step: rate_mps * self.autopilot.step_s() };
     }
@@ -351,6 +355,7 @@ impl Flight {
         self.speed = Ramp::at(self.airspeed_when_released_mps());
         self.speed_is_over_ground = false;
         self.altitude = Ramp::at(now.altitude_m);
+        self.altitude_is_slewed = false;
         self.set_course(now.course_rad, f64::INFINITY);
         let here = (now.x_m, now.y_m);
         match mode {

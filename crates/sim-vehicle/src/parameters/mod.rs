@@ -110,7 +110,7 @@ impl Parameters {
         self.values[parameter as usize]
     }
 
-    /// Takes a new value, rounded if the parameter is of a whole type.
+    /// Takes a new value, cut off after the point if the parameter is of a whole type.
     pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
         let name = self.name(parameter);
         if parameter.is_read_only() {
@@ -120,7 +120,7 @@ impl Parameters {
             return Err(ParameterRefused::NotFinite(name));
         }
         let real = self.kind(parameter) == MavParamType::MAV_PARAM_TYPE_REAL32;
-        let value = if real { value } else { value.round() };
+        let value = if real { value } else { value.trunc() };
         let (least, most) = self.range(parameter);
         if !(least..=most).contains(&value) {
             return Err(ParameterRefused::Range { name, value, least, most });
@@ -226,11 +226,11 @@ mod tests {
     }
 
     #[test]
-    fn whole_types_are_rounded_and_what_is_set_is_kept() {
+    fn whole_types_are_cut_and_what_is_set_is_kept() {
         let mut parameters = parameters();
         parameters.set(Parameter::LoiterRadius, -79.6).unwrap();
         parameters.set(Parameter::AirspeedCruise, 11.25).unwrap();
-        assert_eq!(parameters.kept().collect::<Vec<_>>(), [("AIRSPEED_CRUISE", 11.25), ("WP_LOITER_RAD", -80.0)]);
+        assert_eq!(parameters.kept().collect::<Vec<_>>(), [("AIRSPEED_CRUISE", 11.25), ("WP_LOITER_RAD", -79.0)]);
     }
 
     #[test]

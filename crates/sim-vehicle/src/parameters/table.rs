@@ -97,7 +97,7 @@ parameters! {
     RtlRadius: "RTL_RADIUS", INT16, |_| 0.0, |_| (-RADIUS_MAX_M, RADIUS_MAX_M), Effect::Tuning;
     // ArduPlane's default climbs to 100 m; ours stays where it is.
     RtlAltitude: "RTL_ALTITUDE", REAL, |_| -1.0, |_| (-1.0, 10_000.0), Effect::Tuning;
-    TakeoffAltitude: "TKOFF_ALT", REAL, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
+    TakeoffAltitude: "TKOFF_ALT", INT16, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
     RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
     DisarmDelay: "LAND_DISARMDELAY", INT8, |s| if s.personality == Personality::Px4 { 2.0 } else { 20.0 }, |_| (0.0, 127.0), Effect::LookedUp;
 

@@ -6,12 +6,11 @@ use mavlink_bridge::dialect::MavModeFlag;
 /// The version whose names and answers the vehicle has.
 pub(super) const VERSION: [u8; 3] = [4, 7, 0];
 
-/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE, 193 in MANUAL.
+/// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE and MANUAL, 81 in MANUAL when not.
 pub(super) fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
-    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED;
-    if mode != Mode::Manual {
-        flags |= MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
-    }
+    let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+        | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+        | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
     if !matches!(mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise) {
         flags |= MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED;
     }
@@ -28,6 +27,6 @@ mod tests {
         assert_eq!(base_mode(Mode::Guided, true).bits(), 217);
         assert_eq!(base_mode(Mode::Cruise, true).bits(), 209);
         assert_eq!(base_mode(Mode::Guided, false).bits(), 89);
-        assert_eq!(base_mode(Mode::Manual, true).bits(), 193);
+        assert_eq!(base_mode(Mode::Manual, false).bits(), 81);
     }
 }
