@@ -165,6 +165,9 @@ def message_intervals(talk):
 
 @scene
 def home(talk):
+    # Ours sends it unasked: only what a step brings about is to count.
+    talk.long(INTERVAL, mavlink.MAVLINK_MSG_ID_HOME_POSITION, -1)
+    talk.settle()
     with talk.step("asked for by GET_HOME_POSITION", also=["HOME_POSITION"]):
         talk.long(mavlink.MAV_CMD_GET_HOME_POSITION)
     with talk.step("asked for by REQUEST_MESSAGE", also=["HOME_POSITION"]):
