@@ -18,7 +18,10 @@ pub fn starts(table: &PatternTable, like: &State, seed: u64) -> Vec<State> {
         ..*like
     };
     let places: Vec<State> = match table.pattern {
-        Pattern::File => table.places.iter().take(table.count()).map(|place| place.start(table, like)).collect(),
+        Pattern::File => {
+            let home = (table.x_m, table.y_m);
+            table.places.iter().take(table.count()).map(|place| place.start(home, like)).collect()
+        }
         _ => offsets(table, seed).into_iter().map(place).collect(),
     };
     places

@@ -2,7 +2,6 @@
 //! `sim_vehicle.py --swarm` reads: `instance=east,north,up,heading`, the first three in metres from home, the heading in
 //! degrees; what follows a `#` is not read.
 
-use super::file::PatternTable;
 use super::source::{ConfigError, Source};
 use flight_model::{State, wrap_pi};
 use std::collections::BTreeMap;
@@ -56,11 +55,11 @@ pub fn read(path: &Path) -> Result<Vec<Place>, ConfigError> {
 }
 
 impl Place {
-    /// The start of this vehicle of a pattern; it flies as fast as `like` does.
-    pub fn start(&self, table: &PatternTable, like: &State) -> State {
+    /// The start of this vehicle, with home at (north, east) in m; it flies as fast as `like` does.
+    pub fn start(&self, home: (f64, f64), like: &State) -> State {
         State {
-            x_m: table.x_m + self.north_m,
-            y_m: table.y_m + self.east_m,
+            x_m: home.0 + self.north_m,
+            y_m: home.1 + self.east_m,
             altitude_m: like.altitude_m + self.up_m,
             course_rad: wrap_pi(self.heading_deg.to_radians()),
             ..*like
