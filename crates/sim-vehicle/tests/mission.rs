@@ -281,7 +281,8 @@ fn jumps_without_end_do_not_hang_it() {
 #[test]
 fn the_current_item_is_set_and_auto_goes_on_from_it() {
     let mut client = Client::new(quiet());
-    assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]), Some(MavResult::MAV_RESULT_FAILED));
+    assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]), Some(MavResult::MAV_RESULT_ACCEPTED));
+    assert_eq!(client.vehicle.mode(), Mode::Rtl, "there is no mission yet");
     upload(&mut client, &square());
     assert_eq!(
         client.command_long(MAV_CMD_DO_SET_MISSION_CURRENT, [5.0, 0.0, 0.0]),
