@@ -20,7 +20,9 @@ impl Vehicle {
     }
 
     pub(crate) fn send_stream_to_all(&mut self, stream: Stream) {
-        self.with_instruments(|links, instruments| links.send_all(&instruments.message(stream)));
+        self.with_instruments(|links, instruments| {
+            (0..links.len()).for_each(|link| links.send_stream(link, stream, instruments));
+        });
     }
 
     pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {

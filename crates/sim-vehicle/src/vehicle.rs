@@ -226,14 +226,7 @@ impl Vehicle {
         let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
         self.links.begin_batch(None);
         self.integrate(tick_end.saturating_sub(self.settings.step), track);
-        self.live();
-        self.step_flight();
-        self.time = tick_end;
-        track.push(*self.flight.state());
-        self.check_failsafes();
-        self.check_fence();
-        self.follow_mission();
-        self.follow_personality();
+        self.step_to(tick_end, track);
         self.with_instruments(Links::send_due_and_position);
         self.links.end_batch();
         if let Some(lockstep) = &mut self.lockstep {
@@ -327,18 +320,23 @@ impl Vehicle {
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
         let step = self.settings.step;
         while self.time + step <= until {
-            self.live();
-            self.step_flight();
-            self.time += step;
-            track.push(*self.flight.state());
-            self.check_failsafes();
-            self.check_fence();
-            self.follow_mission();
-            self.follow_personality();
+            self.step_to(self.time + step, track);
             if self.time >= self.links.next_due() {
                 self.with_instruments(Links::send_due);
             }
         }
+    }
+
+    /// One integration step, and all that is looked at after it but telemetry.
+    fn step_to(&mut self, time: Duration, track: &mut Vec<State>) {
+        self.live();
+        self.step_flight();
+        self.time = time;
+        track.push(*self.flight.state());
+        self.check_failsafes();
+        self.check_fence();
+        self.follow_mission();
+        self.follow_personality();
     }
 
     pub(crate) fn set_mode(&mut self, mode: Mode) {

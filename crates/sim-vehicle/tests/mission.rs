@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Client, TARGET, peer, quiet, texts};
+use common::{Client, TARGET, item, peer, quiet, texts};
 use flight_model::State;
 use mavlink_bridge::dialect::MavCmd::*;
 use mavlink_bridge::dialect::MavMissionResult::*;
@@ -13,19 +13,6 @@ use sim_vehicle::Mode;
 use std::time::Duration;
 
 const TO: Target = Target { system_id: TARGET, component_id: 1 };
-
-fn item(command: MavCmd, params: [f32; 4], north_m: f64, east_m: f64, z_m: f32) -> PlanItem {
-    let place = quiet().frame.to_geodetic(north_m, east_m, f64::from(z_m));
-    PlanItem {
-        params,
-        latitude_e7: (place.latitude_deg * 1e7).round() as i32,
-        longitude_e7: (place.longitude_deg * 1e7).round() as i32,
-        z_m,
-        command: command as u32 as u16,
-        frame: 3,
-        autocontinue: 1,
-    }
-}
 
 fn waypoint(north_m: f64, east_m: f64, z_m: f32) -> PlanItem {
     item(MAV_CMD_NAV_WAYPOINT, [0.0; 4], north_m, east_m, z_m)

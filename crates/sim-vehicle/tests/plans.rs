@@ -18,16 +18,7 @@ const ACCEPTED: Option<MavResult> = Some(MavResult::MAV_RESULT_ACCEPTED);
 const FAILED: Option<MavResult> = Some(MavResult::MAV_RESULT_FAILED);
 
 fn item(command: MavCmd, p1: f32, north_m: f64, east_m: f64, z_m: f32) -> PlanItem {
-    let place = quiet().frame.to_geodetic(north_m, east_m, 0.0);
-    PlanItem {
-        params: [p1, 0.0, 0.0, 0.0],
-        latitude_e7: (place.latitude_deg * 1e7).round() as i32,
-        longitude_e7: (place.longitude_deg * 1e7).round() as i32,
-        z_m,
-        command: command as u32 as u16,
-        frame: 3,
-        autocontinue: 1,
-    }
+    common::item(command, [p1, 0.0, 0.0, 0.0], north_m, east_m, z_m)
 }
 
 /// A square round home, of so many metres each way.

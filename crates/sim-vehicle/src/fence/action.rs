@@ -167,7 +167,7 @@ impl Vehicle {
             self.fence.breaches = self.fence.breaches.saturating_add(1);
             if before == 0 {
                 self.fence.breached_at = self.time;
-                (0..self.links.len()).for_each(|link| self.send_stream(link, Stream::FenceStatus));
+                self.send_stream_to_all(Stream::FenceStatus);
             }
         }
         if self.time < self.fence.manual_until {

@@ -5,7 +5,7 @@ use mavlink_bridge::dialect::{
     COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, LOCAL_POSITION_NED_DATA, MavCmd, MavFrame, MavParamType,
     MavResult, Message, PARAM_SET_DATA,
 };
-use mavlink_bridge::{Counters, Encoder, Frame, FrameError, frames};
+use mavlink_bridge::{Counters, Encoder, Frame, FrameError, PlanItem, frames};
 use sim_vehicle::{PeerId, TelemetryRates, Vehicle, VehicleSettings};
 use std::time::Duration;
 
@@ -18,6 +18,20 @@ pub fn peer(port: u16) -> PeerId {
 /// A vehicle without telemetry of its own accord.
 pub fn quiet() -> VehicleSettings {
     VehicleSettings { system_id: TARGET, rates: TelemetryRates::OFF, ground: None, ..VehicleSettings::default() }
+}
+
+/// An item of a plan, above home, at a place in m from it.
+pub fn item(command: MavCmd, params: [f32; 4], north_m: f64, east_m: f64, z_m: f32) -> PlanItem {
+    let place = quiet().frame.to_geodetic(north_m, east_m, f64::from(z_m));
+    PlanItem {
+        params,
+        latitude_e7: (place.latitude_deg * 1e7).round() as i32,
+        longitude_e7: (place.longitude_deg * 1e7).round() as i32,
+        z_m,
+        command: command as u32 as u16,
+        frame: 3,
+        autocontinue: 1,
+    }
 }
 
 pub struct Client {
