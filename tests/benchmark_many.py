@@ -15,9 +15,8 @@ from pathlib import Path
 os.environ["MAVLINK20"] = "1"
 sys.path += [str(Path(__file__).parent), str(Path(__file__).parent / "plugin")]
 
-from ground import Craft
+from ground import Craft, connection
 from lists import Lists
-from pymavlink import mavutil
 from test_clients import work
 
 PROGRAM = os.environ.get("COLUMBA_BIN", str(Path(__file__).parent.parent / "target/release/columba"))
@@ -66,7 +65,7 @@ def parameters():
     print("\n| all parameters of 200 vehicles through one port | parameters | seconds | questions |\n|---|---|---|---|")
     for loss in (0, 0.3):
         with Vehicles("--count", 200, "--per-port", 200, "--loss", loss) as vehicles:
-            link = mavutil.mavlink_connection(f"udpout:{vehicles.rows[0]['address']}", source_system=255)
+            link = connection(vehicles.rows[0]["address"])
             lists = Lists(link, [row["system_id"] for row in vehicles.rows])
             seconds = lists.fetch(patience_s=300)
             link.close()

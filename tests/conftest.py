@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pyarrow.parquet
 import pytest
-from ground import Craft
 
 pytest.register_assert_rewrite("pytest_columba")
+from ground import Craft
 from pytest_columba import Fleet
 
 pytest_plugins = ["pytest_columba"]
@@ -99,10 +99,10 @@ def start_vehicles(program):
         return started[-1]
 
     yield start
-    for sink in sinks:
-        sink.close()
     for vehicles in started:
         vehicles.stop()
+    for sink in sinks:
+        sink.close()
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ import math
 import time
 from dataclasses import dataclass
 
-from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
+from pytest_columba import connection
 
 ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
 DENIED = mavlink.MAV_RESULT_DENIED
@@ -54,7 +54,7 @@ class Craft:
         self.component = row["component_id"]
         self.port = row["port"]
         self.texts = collections.deque()
-        self.link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255, source_component=190)
+        self.link = connection(row["address"])
         self.greet()
 
     def greet(self):

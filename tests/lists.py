@@ -17,7 +17,7 @@ class Lists:
         self.counts = {}
         self.requests = 0
 
-    def fetch(self, patience_s=20):
+    def fetch(self, patience_s=120):
         """Gives the seconds that it took."""
         start = heard = time.monotonic()
         for system in self.found:

@@ -4,9 +4,8 @@ import threading
 import time
 
 import pytest
-from ground import Craft
+from ground import Craft, connection
 from lists import Lists
-from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 CLIENTS = 50
@@ -25,7 +24,7 @@ def plan(craft, seq):
 
 def insist(craft, say, kinds, where=lambda message: True):
     """Says something until it is answered: either may be lost."""
-    for _ in range(50):
+    for _ in range(200):
         say()
         until = time.monotonic() + AGAIN_S
         while (left := until - time.monotonic()) > 0:
@@ -61,7 +60,7 @@ def work(row, results):
     craft = Craft(row)
     try:
         lists = Lists(craft.link, [craft.system])
-        lists.fetch(patience_s=60)
+        lists.fetch()
         uploaded = upload(craft, 10)
         items = download(craft)
         position = craft.wait(["LOCAL_POSITION_NED"])
@@ -140,7 +139,7 @@ def drain(craft):
 
 def test_who_has_spoken_to_one_of_a_group_hears_that_one(start_vehicles):
     rows = start_vehicles("--count", 2, "--per-port", 2).rows
-    link = mavutil.mavlink_connection(f"udpout:{rows[0]['address']}", source_system=255)
+    link = connection(rows[0]["address"])
     link.mav.param_request_read_send(2, 1, b"MAV_SYSID", -1)
     systems = set()
     for _ in range(50):

@@ -23,13 +23,14 @@ import pytest
 import scenes  # noqa: F401
 from differences import KNOWN
 from differential import SCENES, play
+from ground import connection
 from pymavlink import mavutil
 
 RECORDING = Path(__file__).parent / "reference/arduplane.json"
 PAGE = Path(__file__).parent.parent / "docs/mavlink.md"
 HOME = "39.98,116.34,0,0"
 SPEED = 10
-# Ours keeps up with more.
+# Ours keeps up with more, on a machine that has nothing else to do.
 OUR_SPEED = 40
 
 
@@ -105,11 +106,9 @@ def reference(tmp_path):
 def ours(start_vehicles, scenario):
     """What our vehicle answers in a scene."""
 
-    def answers(name):
-        vehicles = start_vehicles(scenario(on_ground=True, setpoint_timeout_s=0), "--speed", OUR_SPEED)
-        link = mavutil.mavlink_connection(
-            f"udpout:{vehicles.rows[0]['address']}", source_system=255, source_component=190
-        )
+    def answers(name, speed):
+        vehicles = start_vehicles(scenario(on_ground=True, setpoint_timeout_s=0), "--speed", speed)
+        link = connection(vehicles.rows[0]["address"])
         link.mav.heartbeat_send(6, 8, 0, 0, 0)
         try:
             return play(name, link)
@@ -132,14 +131,24 @@ def known(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_ours_answers_as_the_real_one_does(name, reference, ours):
-    real, our = reference(name), ours(name)
-    assert list(real) == list(our)
+    real = reference(name)
+    fault = compare(name, real, ours(name, OUR_SPEED))
+    if fault:
+        # On a busy machine a vehicle that is so fast has gone on before the client has read what it said.
+        print(f"at speed {OUR_SPEED}: {fault}")
+        fault = compare(name, real, ours(name, SPEED))
+    assert not fault, fault
+
+
+def compare(name, real, our):
+    """What differs and is not known to, or is known to and does not; nothing if all is as it should be."""
+    if list(real) != list(our):
+        return f"steps {list(real)} and {list(our)}"
     different = {step for step in real if differ(real[step], our[step])}
     expected = {step for step in different for pattern in known(name) if fnmatchcase(step, pattern)}
     unlisted = {step: {"real": real[step], "ours": our[step]} for step in real if step in different - expected}
-    assert not unlisted, json.dumps(unlisted, indent=1)
     over = [pattern for pattern in known(name) if not any(fnmatchcase(step, pattern) for step in different)]
-    assert not over, f"no longer different: {over}"
+    return (unlisted and json.dumps(unlisted, indent=1)) or (over and f"no longer different: {over}") or ""
 
 
 def test_the_page_lists_every_known_difference():

@@ -4,9 +4,8 @@ import math
 import subprocess
 
 import pytest
-from ground import ACCEPTED, CRUISE, FAILED, GUIDED, RTL
+from ground import ACCEPTED, CRUISE, FAILED, GUIDED, RTL, connection
 from plans import FENCE, RELATIVE, Uploader, item
-from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 STAY_IN, STAY_OUT, RETURN = (
@@ -146,7 +145,7 @@ def test_altitudes_and_a_circle_round_home_by_parameters_alone(start_vehicles, s
 
 def test_transfers_complete_over_a_link_that_loses_a_third_each_way(start_vehicles, scenario):
     row = start_vehicles(scenario(), "--loss", 0.3).rows[0]
-    link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
+    link = connection(row["address"])
     uploader = Uploader(link, row["system_id"], FENCE)
     items = [item(STAY_IN, 100 * math.cos(a), 100 * math.sin(a), 0, p1=12) for a in range(12)]
     assert uploader.upload(items, patience_s=60) == mavlink.MAV_MISSION_ACCEPTED

@@ -7,7 +7,7 @@ import time
 import pyarrow.parquet
 import pytest
 from conftest import Run, free_port
-from ground import mavutil
+from ground import connection
 
 
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "a polite kill"])
@@ -35,7 +35,7 @@ def test_an_interrupted_run_is_on_disk(program, tmp_path, sign):
 
 def watch_until_s(port, time_s):
     """Looks on at the first vehicle's own port until it has flown so long."""
-    link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=254)
+    link = connection(f"127.0.0.1:{port}", source_system=254)
     deadline = time.monotonic() + 20
     while time.monotonic() < deadline:
         link.mav.heartbeat_send(6, 8, 0, 0, 0)

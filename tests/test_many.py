@@ -5,8 +5,7 @@ import subprocess
 
 import pytest
 from conftest import bind
-from ground import Craft
-from pymavlink import mavutil
+from ground import Craft, connection
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 FIELDS = {
@@ -84,7 +83,7 @@ def test_a_group_behind_one_port_is_told_apart_by_system_ids(start_vehicles):
     rows = start_vehicles("--count", 7, "--per-port", 3).rows
     ports = [row["port"] for row in rows]
     assert ports[0] == ports[1] == ports[2] != ports[3] == ports[4] == ports[5] != ports[6]
-    link = mavutil.mavlink_connection(f"udpout:{rows[0]['address']}", source_system=255, source_component=190)
+    link = connection(rows[0]["address"])
     # One for all reaches all of the group, and no others.
     link.mav.heartbeat_send(mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0)
     heard = set()

@@ -3,9 +3,8 @@
 import math
 
 import pytest
-from ground import ACCEPTED, FAILED, GUIDED, RTL
+from ground import ACCEPTED, FAILED, GUIDED, RTL, connection
 from plans import METRES_PER_DEGREE, Uploader, item, place
-from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 AUTO = 10
@@ -123,7 +122,7 @@ def test_the_old_messages_work_too(craft):
 
 def test_transfers_complete_over_a_link_that_loses_a_third_each_way(start_vehicles, scenario):
     row = start_vehicles(scenario(), "--loss", 0.3).rows[0]
-    link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
+    link = connection(row["address"])
     uploader = Uploader(link, row["system_id"])
     assert uploader.upload(TEN) == mavlink.MAV_MISSION_ACCEPTED
     assert len(uploader.download()) == len(TEN)
@@ -142,7 +141,7 @@ def test_mission_items_without_an_upload_steer_in_guided(craft):
 
 
 def test_two_writers_at_once(craft, uploader):
-    other = mavutil.mavlink_connection(f"udpout:127.0.0.1:{craft.port}", source_system=254)
+    other = connection(f"127.0.0.1:{craft.port}", source_system=254)
     craft.link.mav.mission_count_send(craft.system, 1, 2)
     craft.wait(["MISSION_REQUEST"])
     assert Uploader(other, craft.system).upload(TEN) == mavlink.MAV_MISSION_DENIED

