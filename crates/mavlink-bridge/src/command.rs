@@ -17,7 +17,7 @@ pub enum CommandKind {
 }
 
 /// A command whose number may not be in the dialect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawCommand {
     /// System that it is for, 0 for all.
     pub target_system: u8,
@@ -25,6 +25,8 @@ pub struct RawCommand {
     pub target_component: u8,
     /// Its number (MAV_CMD).
     pub command: u16,
+    /// Params 1 to 4.
+    pub params: [f32; 4],
     /// The message that carried it.
     pub kind: CommandKind,
 }
@@ -39,7 +41,10 @@ pub fn raw_command(frame: &Frame<'_>) -> Option<RawCommand> {
     // Both messages have seven four-byte fields first, then the command and its target.
     let command = u16::from_le_bytes([frame.payload_byte(28), frame.payload_byte(29)]);
     let Target { system_id, component_id } = frame.target_at(30);
-    Some(RawCommand { target_system: system_id, target_component: component_id, command, kind })
+    let params = std::array::from_fn(|param| {
+        f32::from_le_bytes(std::array::from_fn(|byte| frame.payload_byte(4 * param + byte)))
+    });
+    Some(RawCommand { target_system: system_id, target_component: component_id, command, params, kind })
 }
 
 #[cfg(test)]
@@ -75,6 +80,7 @@ mod tests {
                 target_system: 7,
                 target_component: 1,
                 confirmation: 1,
+                param2: -2.5,
                 ..COMMAND_LONG_DATA::DEFAULT
             });
             let mut bytes = Vec::new();
@@ -82,8 +88,13 @@ mod tests {
             let bytes = with_command(&bytes, 60_000, COMMAND_LONG_DATA::EXTRA_CRC);
             let frame = only_frame(&bytes);
             assert_eq!(frame.message(), Err(FrameError::InvalidValue { enum_type: "MavCmd", value: 60_000 }));
-            let expected =
-                RawCommand { target_system: 7, target_component: 1, command: 60_000, kind: CommandKind::Long };
+            let expected = RawCommand {
+                target_system: 7,
+                target_component: 1,
+                command: 60_000,
+                params: [0.0, -2.5, 0.0, 0.0],
+                kind: CommandKind::Long,
+            };
             assert_eq!(raw_command(&frame), Some(expected));
         }
     }
@@ -97,7 +108,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_raw_command_is_the_command(system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(), x in any::<f32>()) {
+        fn the_raw_command_is_the_command(system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(), x in -1e9f32..1e9) {
             // All zeros behind the command: MAVLink 2 leaves them out.
             let int = Message::COMMAND_INT(COMMAND_INT_DATA {
                 param1: x,
@@ -109,8 +120,13 @@ mod tests {
             });
             let mut bytes = Vec::new();
             Encoder::new(1, 1).with_version(if v1 { Version::V1 } else { Version::V2 }).encode(&int, &mut bytes);
-            let expected =
-                RawCommand { target_system: system, target_component: component, command: 43002, kind: CommandKind::Int };
+            let expected = RawCommand {
+                target_system: system,
+                target_component: component,
+                command: 43002,
+                params: [x, 0.0, 0.0, 0.0],
+                kind: CommandKind::Int,
+            };
             prop_assert_eq!(raw_command(&only_frame(&bytes)), Some(expected));
         }
 

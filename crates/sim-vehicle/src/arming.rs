@@ -14,6 +14,12 @@ const FORCE: f32 = 21196.0;
 /// The same, of older ground stations, to arm only.
 const FORCE_ARMING: f32 = 2989.0;
 
+/// Bits of ARMING_CHECK (`AP_Arming.h`).
+const CHECK_ALL: u32 = 1;
+const CHECK_GPS: u32 = 1 << 3;
+const CHECK_BATTERY: u32 = 1 << 8;
+const CHECK_MISSION: u32 = 1 << 14;
+
 impl Vehicle {
     /// Param 1: 1 to arm, 0 to disarm. Param 2: 21196 by force, as ArduPlane: in the air it is disarmed only so.
     pub(crate) fn arm_or_disarm(&mut self, [p1, p2]: [f32; 2]) -> Result<(), Refusal> {
@@ -54,22 +60,29 @@ impl Vehicle {
         Ok(())
     }
 
-    /// Why the vehicle would not arm now, if so.
+    /// Why the vehicle would not arm now, if so. ARMING_CHECK says which of the checks are made that may be left out.
     pub(crate) fn against_arming(&self) -> Option<String> {
+        let checks = self.parameters.get(Parameter::ArmingCheck) as u32;
+        let is_checked = |check: u32| checks & (CHECK_ALL | check) != 0;
         let lands_by_rtl = self.parameters.get(Parameter::RtlAutoland) != 0.0;
-        let contains = |command: u16| self.mission.numbered().any(|(_, item)| item.command == command);
+        let is_amiss = |command: u16| {
+            is_checked(CHECK_MISSION)
+                && !lands_by_rtl
+                && self.mission.numbered().any(|(_, item)| item.command == command)
+        };
         if self.flight.is_armed() {
             None
         } else if self.mode() == Mode::Rtl {
             Some("RTL mode not armable".into())
-        } else if !lands_by_rtl && contains(LAND_START) {
+        } else if is_amiss(LAND_START) {
             Some("DO_LAND_START set and RTL_AUTOLAND disabled".into())
-        } else if !lands_by_rtl && contains(RETURN_PATH_START) {
+        } else if is_amiss(RETURN_PATH_START) {
             Some("DO_RETURN_PATH_START set and RTL_AUTOLAND disabled".into())
-        } else if !GpsSettings::of(&self.parameters).has_fix() {
+        } else if is_checked(CHECK_GPS) && !GpsSettings::of(&self.parameters).has_fix() {
             Some("GPS 1: Bad fix".into())
         } else {
-            self.battery_forbids_arming().or_else(|| self.fence_forbids_arming())
+            let battery = if is_checked(CHECK_BATTERY) { self.battery_forbids_arming() } else { None };
+            battery.or_else(|| self.fence_forbids_arming())
         }
     }
 

@@ -10,6 +10,7 @@
 use crate::parameters::Parameter;
 use crate::streams::Stream;
 use crate::{Mode, Personality, Vehicle};
+use mavlink_bridge::RawCommand;
 use mavlink_bridge::dialect::{
     COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity,
 };
@@ -77,13 +78,17 @@ impl From<&COMMAND_INT_DATA> for Command {
 }
 
 impl Command {
-    /// DO_SET_MODE, for the SET_MODE message that came before it. The number of a mode is exact in an f32 up to 2^24;
-    /// beyond that there are no modes.
-    pub fn set_mode(custom: bool, custom_mode: u32) -> Self {
+    /// DO_SET_MODE, for the SET_MODE message that came before it, which has a PX4's main and sub mode in one number. Modes
+    /// are exact in an f32 up to 2^24; beyond that there are none.
+    pub fn set_mode(personality: Personality, custom: bool, custom_mode: u32) -> Self {
         let base_mode = if custom { MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits() } else { 0 };
+        let (main, sub) = match personality {
+            Personality::Px4 => (custom_mode >> 16 & 0xFF, custom_mode >> 24),
+            Personality::ArduPlane | Personality::Generic => (custom_mode, 0),
+        };
         Self {
             command: MavCmd::MAV_CMD_DO_SET_MODE,
-            params: [f32::from(base_mode), custom_mode as f32, 0.0, 0.0],
+            params: [f32::from(base_mode), main as f32, sub as f32, 0.0],
             place_e7: None,
             place: [0.0; 2],
             z: 0.0,
@@ -152,6 +157,10 @@ impl Vehicle {
         match command.command {
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm([p1, p2]),
             MavCmd::MAV_CMD_RUN_PREARM_CHECKS => self.run_prearm_checks(),
+            MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if self.settings.personality != Personality::Px4 => {
+                self.calibrate([p1, p3])
+            }
+            MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => self.reboot(p1),
             MavCmd::MAV_CMD_DO_SET_HOME => self.do_set_home(command),
             MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
             MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.enter(Mode::Loiter),
@@ -161,6 +170,7 @@ impl Vehicle {
             MavCmd::MAV_CMD_DO_RETURN_PATH_START => self.start_return_path(),
             MavCmd::MAV_CMD_DO_GO_AROUND => self.go_around(p1),
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
+            MavCmd::MAV_CMD_DO_JUMP_TAG if self.settings.personality != Personality::Px4 => self.jump_to_tag(p1),
             MavCmd::MAV_CMD_DO_FENCE_ENABLE => self.enable_fence([p1, p2]),
             // ArduPlane takes it for quadplanes alone.
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
@@ -185,18 +195,21 @@ impl Vehicle {
         }
     }
 
-    /// For a command message with a value that the dialect does not know: either the command itself, or, in a command
+    /// Obeys a command with a value that the common dialect does not know: either the command itself, or, in a command
     /// that is known here, its frame.
-    pub(crate) fn refuse_unreadable(&self, number: u16) -> Refusal {
+    pub(crate) fn execute_by_number(&mut self, raw: &RawCommand) -> Result<(), Refusal> {
         const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
         const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
-        match number {
-            GUIDED_CHANGE_ALTITUDE => match self.check_guided_command("Altitude") {
-                Ok(()) => Refusal::denied("Altitude: unknown frame"),
-                Err(refusal) => refusal,
-            },
-            DO_REPOSITION => Refusal::denied("Reposition: unknown frame"),
-            _ => Refusal::unsupported(),
+        const BATTERY_RESET: u16 = 42_651;
+        let [p1, p2, ..] = raw.params;
+        match raw.command {
+            GUIDED_CHANGE_ALTITUDE => {
+                self.check_guided_command("Altitude")?;
+                Err(Refusal::denied("Altitude: unknown frame"))
+            }
+            DO_REPOSITION => Err(Refusal::denied("Reposition: unknown frame")),
+            BATTERY_RESET if self.settings.personality != Personality::Px4 => self.reset_battery([p1, p2]),
+            number => self.answer_for_device(number, p1).unwrap_or(Err(Refusal::unsupported())),
         }
     }
 
@@ -240,8 +253,7 @@ impl Vehicle {
 
     fn set_current_mission_item(&mut self, seq: f32) -> Result<(), Refusal> {
         check_finite("Mission", &[seq])?;
-        let seq = u16::try_from(integer(seq)).unwrap_or(u16::MAX);
-        self.set_current_item(seq).map_err(Refusal::denied)
+        self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX))
     }
 
     fn check_guided_command(&self, name: &str) -> Result<(), Refusal> {

@@ -58,6 +58,8 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
             Stream::GpsRawInt,
             Stream::MissionCurrent,
             Stream::FenceStatus,
+            Stream::NavControllerOutput,
+            Stream::PositionTargetGlobalInt,
             Stream::GlobalPositionInt,
             Stream::LocalPositionNed,
             Stream::Attitude,
@@ -70,9 +72,14 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
             Stream::ScaledPressure,
         ],
         MavDataStream::MAV_DATA_STREAM_RAW_SENSORS => &[Stream::RawImu, Stream::ScaledPressure],
-        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => {
-            &[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent, Stream::FenceStatus]
-        }
+        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => &[
+            Stream::SysStatus,
+            Stream::GpsRawInt,
+            Stream::MissionCurrent,
+            Stream::FenceStatus,
+            Stream::NavControllerOutput,
+            Stream::PositionTargetGlobalInt,
+        ],
         MavDataStream::MAV_DATA_STREAM_RC_CHANNELS => &[Stream::RcChannels],
         MavDataStream::MAV_DATA_STREAM_POSITION => &[Stream::GlobalPositionInt, Stream::LocalPositionNed],
         MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[Stream::Attitude],

@@ -17,6 +17,7 @@ mod hosting;
 mod life;
 mod links;
 mod lockstep;
+mod maintenance;
 mod message_requests;
 mod mission;
 mod mode;

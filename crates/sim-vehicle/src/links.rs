@@ -116,6 +116,14 @@ impl Links {
         self.find_next_due();
     }
 
+    /// Every link has the default rates again.
+    pub fn restart(&mut self, time: Duration) {
+        for link in &mut self.links {
+            link.schedule = Schedule::new(&self.settings.rates, time);
+        }
+        self.find_next_due();
+    }
+
     /// Notes that a peer has spoken at host time `now`. Gives its link, and whether it is a new one.
     ///
     /// A peer that speaks MAVLink 1 is answered in it, until it says something in MAVLink 2.

@@ -3,8 +3,8 @@
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
-use crate::Vehicle;
 use crate::commands::{Command, Refusal};
+use crate::{Personality, Vehicle};
 use mavlink_bridge::dialect::{
     DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
@@ -44,8 +44,8 @@ impl Vehicle {
                 self.hear_heartbeat(sender.system_id);
                 self.px4_hear_heartbeat(data.mavtype);
             }
-            Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
-            Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, Ok(data.into())),
+            Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, &data.into()),
+            Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, &data.into()),
             Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
             Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
             Ok(Message::SET_POSITION_TARGET_GLOBAL_INT(data)) => self.take_global_target(data),
@@ -59,8 +59,8 @@ impl Vehicle {
             Ok(_) => {}
             Err(_) => {
                 if let Some(raw) = raw_command(frame) {
-                    let refusal = self.refuse_unreadable(raw.command);
-                    self.obey(link, raw.command, sender, Err(refusal));
+                    let outcome = self.execute_by_number(&raw);
+                    self.acknowledge(link, raw.command, sender, outcome);
                 }
             }
         }
@@ -102,9 +102,19 @@ impl Vehicle {
         }
     }
 
-    fn obey(&mut self, link: usize, number: u16, sender: Target, command: Result<Command, Refusal>) {
-        let outcome = command.and_then(|command| self.execute(&command, link));
-        let result = match outcome {
+    fn obey(&mut self, link: usize, number: u16, sender: Target, command: &Command) {
+        let outcome = self.execute(command, link);
+        self.acknowledge(link, number, sender, outcome);
+    }
+
+    fn acknowledge(&mut self, link: usize, number: u16, sender: Target, outcome: Result<(), Refusal>) {
+        let result = self.conclude(outcome);
+        self.links.acknowledge(link, number, result, sender);
+    }
+
+    /// Counts a command, says aloud why it is refused, and gives its result.
+    fn conclude(&mut self, outcome: Result<(), Refusal>) -> MavResult {
+        match outcome {
             Ok(()) => {
                 self.counters.commands_accepted += 1;
                 MavResult::MAV_RESULT_ACCEPTED
@@ -116,15 +126,19 @@ impl Vehicle {
                 }
                 refusal.result
             }
-        };
-        self.links.acknowledge(link, number, result, sender);
+        }
     }
 
-    /// SET_MODE is acknowledged as if its message id were a command's number: so does ArduPilot.
+    /// SET_MODE, DO_SET_MODE's forerunner. ArduPlane does not acknowledge it; the others do as if it were that command.
     fn legacy_set_mode(&mut self, link: usize, sender: Target, data: &SET_MODE_DATA) {
-        const SET_MODE_ID: u16 = 11;
         let custom = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
-        self.obey(link, SET_MODE_ID, sender, Ok(Command::set_mode(custom, data.custom_mode)));
+        let command = Command::set_mode(self.settings.personality, custom, data.custom_mode);
+        if self.settings.personality == Personality::ArduPlane {
+            let outcome = self.execute(&command, link);
+            self.conclude(outcome);
+        } else {
+            self.obey(link, command.command as u32 as u16, sender, &command);
+        }
     }
 
     fn answer_timesync(&mut self, link: usize, sender: Target, data: &TIMESYNC_DATA) {

@@ -29,11 +29,17 @@ pub(crate) enum Stream {
     ExtendedSysState,
     AutopilotVersion,
     ProtocolVersion,
+    AttitudeQuaternion,
+    NavControllerOutput,
+    PositionTargetLocalNed,
+    PositionTargetGlobalInt,
+    Altitude,
+    Odometry,
     LocalPositionNed,
 }
 
 impl Stream {
-    pub const COUNT: usize = 24;
+    pub const COUNT: usize = 30;
     pub const ALL: [Stream; Self::COUNT] = [
         Stream::Heartbeat,
         Stream::SysStatus,
@@ -58,6 +64,12 @@ impl Stream {
         Stream::ExtendedSysState,
         Stream::AutopilotVersion,
         Stream::ProtocolVersion,
+        Stream::AttitudeQuaternion,
+        Stream::NavControllerOutput,
+        Stream::PositionTargetLocalNed,
+        Stream::PositionTargetGlobalInt,
+        Stream::Altitude,
+        Stream::Odometry,
         Stream::LocalPositionNed,
     ];
 
@@ -72,13 +84,18 @@ impl Stream {
             Stream::RawImu => 27,
             Stream::ScaledPressure => 29,
             Stream::Attitude => 30,
+            Stream::AttitudeQuaternion => 31,
             Stream::LocalPositionNed => 32,
             Stream::GlobalPositionInt => 33,
             Stream::MissionCurrent => 42,
             Stream::GpsGlobalOrigin => 49,
+            Stream::NavControllerOutput => 62,
             Stream::RcChannels => 65,
             Stream::VfrHud => 74,
+            Stream::PositionTargetLocalNed => 85,
+            Stream::PositionTargetGlobalInt => 87,
             Stream::HighresImu => 105,
+            Stream::Altitude => 141,
             Stream::BatteryStatus => 147,
             Stream::AutopilotVersion => 148,
             Stream::Wind => 168,
@@ -88,6 +105,7 @@ impl Stream {
             Stream::HomePosition => 242,
             Stream::ExtendedSysState => 245,
             Stream::ProtocolVersion => 300,
+            Stream::Odometry => 331,
         }
     }
 
@@ -101,9 +119,12 @@ impl Stream {
         match self {
             Stream::Heartbeat => Some(&mut rates.heartbeat_hz),
             Stream::RawImu | Stream::ScaledPressure => Some(&mut rates.raw_sensors_hz),
-            Stream::SysStatus | Stream::GpsRawInt | Stream::MissionCurrent | Stream::FenceStatus => {
-                Some(&mut rates.sys_status_hz)
-            }
+            Stream::SysStatus
+            | Stream::GpsRawInt
+            | Stream::MissionCurrent
+            | Stream::FenceStatus
+            | Stream::NavControllerOutput
+            | Stream::PositionTargetGlobalInt => Some(&mut rates.sys_status_hz),
             Stream::SystemTime | Stream::Wind | Stream::BatteryStatus | Stream::EkfStatusReport => {
                 Some(&mut rates.system_time_hz)
             }
@@ -119,7 +140,11 @@ impl Stream {
             | Stream::RcChannels
             | Stream::GpsGlobalOrigin
             | Stream::AutopilotVersion
-            | Stream::ProtocolVersion => None,
+            | Stream::ProtocolVersion
+            | Stream::AttitudeQuaternion
+            | Stream::PositionTargetLocalNed
+            | Stream::Altitude
+            | Stream::Odometry => None,
         }
     }
 

@@ -116,7 +116,7 @@ fn the_three_plans_do_not_touch_each_other() {
     );
     assert!(fence.iter().all(|item| item.param1 == 4.0));
     assert_eq!(on_board(&mut client, RALLY).iter().map(|item| item.z).collect::<Vec<_>>(), [70.0, 3.0]);
-    assert_eq!(on_board(&mut client, MavMissionType::MAV_MISSION_TYPE_MISSION), []);
+    assert_eq!(on_board(&mut client, MavMissionType::MAV_MISSION_TYPE_MISSION).len(), 1, "home");
 
     let clear = |mission_type| {
         Message::MISSION_CLEAR_ALL(MISSION_CLEAR_ALL_DATA {

@@ -141,6 +141,12 @@ impl Fence {
         }
     }
 
+    /// The autopilot starts anew: it knows its fence and nothing of what has happened with it.
+    pub fn forget_breaches(&mut self) {
+        *self =
+            Self { items: std::mem::take(&mut self.items), area: std::mem::take(&mut self.area), ..Self::default() };
+    }
+
     /// The kinds that are asked for and that there are.
     fn present(&self, parameters: &Parameters) -> Kinds {
         let there = if self.area.is_open() { ALL & !POLYGON } else { ALL };

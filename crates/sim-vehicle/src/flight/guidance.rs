@@ -20,6 +20,18 @@ pub(super) enum Direction {
     },
 }
 
+/// What a vehicle steers for, as it tells others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Aim {
+    /// The place that is flown to or circled, (north, east) in m; none on a course.
+    pub place: Option<(f64, f64)>,
+    /// Course setpoint of this moment, rad.
+    pub course_rad: f64,
+    /// Altitude setpoint of this moment, m above the origin.
+    pub altitude_m: f64,
+    pub airspeed_mps: f64,
+}
+
 /// A place to return to instead of home.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RallyPlace {
@@ -86,6 +98,17 @@ impl Flight {
             target: if rate_mps == 0.0 { self.state.altitude_m } else { FAR_M.copysign(rate_mps) },
             per_step: rate_mps.abs() * self.autopilot.step_s(),
         };
+    }
+
+    /// What it steers for.
+    pub fn aim(&self) -> Aim {
+        let state = self.estimate();
+        let (place, course_rad) = match self.direction {
+            Direction::Course(rad) | Direction::Heading(rad) => (None, rad),
+            Direction::Circle(circle) => (Some(circle.centre()), circle.course_rad(&state)),
+            Direction::Place { at, .. } => (Some(at), libm::atan2(at.1 - state.y_m, at.0 - state.x_m)),
+        };
+        Aim { place, course_rad, altitude_m: self.altitude.value, airspeed_mps: self.speed.value }
     }
 
     /// The course setpoint of this moment, rad (any turn).

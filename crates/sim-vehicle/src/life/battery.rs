@@ -57,6 +57,13 @@ impl Battery {
         self.used_ah = 0.0;
     }
 
+    /// It has been charged or changed: such a share is left of it, and of the capacity in mAh that the monitor knows.
+    pub fn reset(&mut self, settings: &BatterySettings, capacity_mah: f64, left: f64) {
+        self.used_ah = settings.capacity_ah * (1.0 - left);
+        self.consumed_ah = 1e-3 * capacity_mah * (1.0 - left);
+        self.consumed_wh = 0.0;
+    }
+
     /// Whether nothing is left that could turn a motor.
     pub fn is_empty(&self, settings: &BatterySettings) -> bool {
         self.left(settings) <= 0.0
@@ -133,6 +140,8 @@ mod tests {
         battery.replace();
         drain(&mut battery, &REAL, 0.0, 1);
         assert!(battery.voltage_v() > 12.5);
+        battery.reset(&REAL, 2_000.0, 0.5);
+        assert_eq!((battery.left(&REAL), battery.consumed_mah()), (0.5, 1_000.0));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::items::{
     CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
     LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT,
 };
+use crate::commands::Refusal;
 use crate::flight::TAKEOFF_TOLERANCE_M;
 use crate::parameters::Parameter;
 use crate::{Mode, Personality, Vehicle};
@@ -21,6 +22,8 @@ const ITEMS_AT_ONCE_MAX: usize = 100;
 pub(crate) struct Progress {
     /// The item that is flown, or will be when AUTO is set.
     pub current: u16,
+    /// Whether it has been flown, or somebody has chosen it.
+    pub has_begun: bool,
     pub is_complete: bool,
     /// Whether RTL has looked for a landing sequence.
     pub has_looked_for_landing: bool,
@@ -71,6 +74,13 @@ pub(super) struct Circled {
     turned_rad: f64,
 }
 
+impl Progress {
+    /// The current item as it is told: none, 0, before anything has begun.
+    pub fn told(&self) -> u16 {
+        if self.has_begun { self.current } else { 0 }
+    }
+}
+
 impl Vehicle {
     /// AUTO has been set: it goes on with the current item, from its beginning.
     pub(crate) fn begin_mission(&mut self) {
@@ -85,9 +95,14 @@ impl Vehicle {
         self.progress = Progress { current: self.mission.len().min(self.mission.first), ..Progress::default() };
     }
 
-    /// Another mission begins at its beginning; a changed one goes on where it is.
+    /// Another mission begins at its beginning; a changed one goes on where it is, and in an ArduPlane so does another that
+    /// takes the place of one under way.
     pub(crate) fn mission_changed(&mut self, whole: bool) {
-        if whole {
+        let is_under_way = self.progress.has_begun && !self.progress.is_complete;
+        let goes_on = self.settings.personality == Personality::ArduPlane
+            && is_under_way
+            && self.mission.get(self.progress.current).is_some();
+        if whole && !goes_on {
             self.reset_mission();
         }
         self.progress.leg = Leg::Begin;
@@ -97,12 +112,28 @@ impl Vehicle {
     }
 
     /// Goes to an item of the mission, or says why not.
-    pub(crate) fn set_current_item(&mut self, seq: u16) -> Result<(), String> {
+    pub(crate) fn set_current_item(&mut self, seq: u16) -> Result<(), Refusal> {
         if self.mission.get(seq).is_none() {
-            return Err(format!("Mission: no item {seq}"));
+            return Err(Refusal::denied(format!("Mission: no item {seq}")));
         }
-        self.progress = Progress { current: seq.max(self.mission.first), ..Progress::default() };
+        if !self.mission.is_flyable() {
+            return Err(Refusal::failed("Mission: nothing to fly"));
+        }
+        self.progress = Progress { current: seq.max(self.mission.first), has_begun: true, ..Progress::default() };
         Ok(())
+    }
+
+    /// DO_JUMP_TAG as a command: to the JUMP_TAG of that number.
+    pub(crate) fn jump_to_tag(&mut self, tag: f32) -> Result<(), Refusal> {
+        match self.tagged(f64::from(tag)) {
+            Some(seq) => self.set_current_item(seq),
+            None => Err(Refusal::failed(format!("Mission: no tag {tag}"))),
+        }
+    }
+
+    fn tagged(&self, tag: f64) -> Option<u16> {
+        let is_it = |item: &PlanItem| item.command == TAG && f64::from(item.params[0]) == tag;
+        self.mission.numbered().find(|(_, item)| is_it(item)).map(|(seq, _)| seq)
     }
 
     /// Looks after each integration step whether the current item is done, and begins the next.
@@ -124,6 +155,7 @@ impl Vehicle {
             };
             if matches!(self.progress.leg, Leg::Begin) {
                 let seq = self.progress.current;
+                self.progress.has_begun = true;
                 self.begin_item(&item);
                 // What needs no flying is reached too, but to ArduPlane.
                 let is_done = self.progress.current != seq && self.settings.personality != Personality::ArduPlane;
@@ -237,9 +269,7 @@ impl Vehicle {
             }
             JUMP => return self.jump(seq, p1 as u16, p2),
             JUMP_TO_TAG => {
-                let tag = |item: &PlanItem| item.command == TAG && f64::from(item.params[0]) == p1;
-                let to = self.mission.numbered().find(|(_, item)| tag(item)).map(|(to, _)| to);
-                return match to {
+                return match self.tagged(p1) {
                     Some(to) => self.jump(seq, to, p2),
                     None => self.go_to(seq + 1),
                 };

@@ -20,9 +20,8 @@ pub(crate) const RETURN_PATH_START: u16 = MavCmd::MAV_CMD_DO_RETURN_PATH_START a
 pub(crate) const LAND_START: u16 = MavCmd::MAV_CMD_DO_LAND_START as u32 as u16;
 pub(super) const FENCE_ENABLE: u16 = MavCmd::MAV_CMD_DO_FENCE_ENABLE as u32 as u16;
 pub(super) const GO_AROUND: u16 = MavCmd::MAV_CMD_DO_GO_AROUND as u32 as u16;
-/// JUMP_TAG and DO_JUMP_TAG, which the common dialect of our bridge does not name.
-pub(super) const TAG: u16 = 600;
-pub(super) const JUMP_TO_TAG: u16 = 601;
+pub(super) const TAG: u16 = MavCmd::MAV_CMD_JUMP_TAG as u32 as u16;
+pub(super) const JUMP_TO_TAG: u16 = MavCmd::MAV_CMD_DO_JUMP_TAG as u32 as u16;
 
 /// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are none
 /// while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.

@@ -21,9 +21,9 @@ pub(crate) struct Mission {
 }
 
 impl Mission {
-    /// None, whose items will be flown from an index on.
+    /// None, whose items will be flown from an index on: before anything is uploaded or cleared, an ArduPilot counts home.
     pub fn new(first: u16) -> Self {
-        Self { items: Vec::new(), first }
+        Self { items: vec![PlanItem::default(); usize::from(first)], first }
     }
 
     pub fn len(&self) -> u16 {

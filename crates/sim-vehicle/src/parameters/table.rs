@@ -70,7 +70,14 @@ parameters! {
     RateRawSensors: "MAV1_RAW_SENS", INT16, |s| s.rates.raw_sensors_hz.round() as f32, Parameters::rates_hz,
         Effect::Rates(&[Stream::RawImu, Stream::ScaledPressure]);
     RateExtendedStatus: "MAV1_EXT_STAT", INT16, |s| s.rates.sys_status_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[Stream::SysStatus, Stream::GpsRawInt, Stream::MissionCurrent]);
+        Effect::Rates(&[
+            Stream::SysStatus,
+            Stream::GpsRawInt,
+            Stream::MissionCurrent,
+            Stream::FenceStatus,
+            Stream::NavControllerOutput,
+            Stream::PositionTargetGlobalInt,
+        ]);
     // Two messages are behind it, which the settings can tell apart.
     RatePosition: "MAV1_POSITION", INT16,
         |s| s.rates.local_position_ned_hz.max(s.rates.global_position_int_hz).round() as f32, Parameters::rates_hz,
@@ -100,6 +107,8 @@ parameters! {
     TakeoffAltitude: "TKOFF_ALT", INT16, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
     RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
     DisarmDelay: "LAND_DISARMDELAY", INT8, |s| if s.personality == Personality::Px4 { 2.0 } else { 20.0 }, |_| (0.0, 127.0), Effect::LookedUp;
+
+    ArmingCheck: "ARMING_CHECK", INT32, |_| 1.0, |_| (0.0, 8_388_607.0), Effect::LookedUp;
 
     // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;

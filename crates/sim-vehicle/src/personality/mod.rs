@@ -191,11 +191,20 @@ impl Vehicle {
     /// What the personality makes of a command, if it is not ArduPlane's answer.
     pub(crate) fn execute_as_personality(&mut self, command: &Command, link: usize) -> Option<Result<(), Refusal>> {
         match self.settings.personality {
-            Personality::ArduPlane => None,
+            Personality::ArduPlane => self.answer_for_device(command.command as u32 as u16, command.params[0]),
             Personality::Px4 => self.execute_px4(command),
             Personality::Generic => self.execute_generic(command),
         }
         .or_else(|| self.execute_standard_mode(command, link))
+    }
+
+    /// The answer to a command for a device that is not there; none if it is not for one, or the autopilot knows no such
+    /// command.
+    pub(crate) fn answer_for_device(&self, command: u16, param_1: f32) -> Option<Result<(), Refusal>> {
+        match self.settings.personality {
+            Personality::ArduPlane => arduplane::devices::answer(command, param_1),
+            Personality::Px4 | Personality::Generic => None,
+        }
     }
 
     /// Takes a SET_POSITION_TARGET_LOCAL_NED as the personality does; `false` if that is ArduPlane's way.

@@ -10,6 +10,7 @@ mod upload;
 pub use file::PlanFileError;
 pub(crate) use upload::Uploads;
 
+use crate::commands::Refusal;
 use crate::mission::WAYPOINT;
 use crate::parameters::Parameter;
 use crate::streams::Stream;
@@ -138,7 +139,10 @@ impl Vehicle {
             let items = plans.take(kind);
             check_items(kind, &items, self.mission.first).map_err(|(_, reason)| SettingsError::Plan(reason))?;
             let refused = |reason| SettingsError::Plan(format!("{} refused: {reason}", kind.name()));
-            self.replace_plan(kind, items, true).map_err(refused)?;
+            // None kept is none cleared: home stays.
+            if !items.is_empty() {
+                self.replace_plan(kind, items, true).map_err(refused)?;
+            }
         }
         self.plans_changed = Default::default();
         self.plan_totals = PlanKind::ALL.map(|kind| self.parameter_value(kind.total()));
@@ -163,7 +167,7 @@ impl Vehicle {
                 self.fly_to_item(link, sender, &item, current == 2);
             }
             PlanMessage::SetCurrent(seq) => {
-                if let Err(reason) = self.set_current_item(seq) {
+                if let Err(Refusal { reason: Some(reason), .. }) = self.set_current_item(seq) {
                     self.say(MavSeverity::MAV_SEVERITY_WARNING, &reason);
                 }
                 // It has no acknowledgement of its own: this tells what has become of it.
@@ -236,7 +240,7 @@ impl Vehicle {
             self.refuse_plan(link, to, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
             return;
         };
-        let is_current = kind == PlanKind::Mission && seq == self.progress.current;
+        let is_current = kind == PlanKind::Mission && seq == self.progress.told();
         let mission_type = kind.mission_type() as u8;
         self.links
             .send_plan_item(link, &PlanItemMessage { mission_type, seq, item: &item, is_current, kind: item_kind, to });

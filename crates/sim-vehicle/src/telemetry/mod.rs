@@ -1,5 +1,6 @@
 //! What the vehicle says of itself.
 
+mod navigation;
 mod sensors;
 
 use crate::failsafe::BatteryLevel;
@@ -106,6 +107,12 @@ impl Instruments<'_> {
             Stream::ProtocolVersion => telemetry::protocol_version(),
             Stream::GpsGlobalOrigin => telemetry::gps_global_origin(time, &origin),
             Stream::HomePosition => self.home_position(),
+            Stream::AttitudeQuaternion => self.attitude_quaternion(),
+            Stream::NavControllerOutput => self.nav_controller_output(),
+            Stream::PositionTargetLocalNed => self.position_target_local_ned(),
+            Stream::PositionTargetGlobalInt => self.position_target_global_int(),
+            Stream::Altitude => self.altitude(),
+            Stream::Odometry => self.odometry(),
         }
     }
 
@@ -185,7 +192,7 @@ impl Instruments<'_> {
             MissionState::MISSION_STATE_NOT_STARTED
         };
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
-            seq: self.progress.current,
+            seq: self.progress.told(),
             // Home is not counted.
             total: self.mission.len().saturating_sub(self.mission.first),
             mission_state,

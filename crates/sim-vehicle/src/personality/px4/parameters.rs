@@ -15,16 +15,18 @@ pub(in crate::personality) const OWN_PARAMETERS: &[Parameter] = &[
     Parameter::PreflightDisarmDelay,
 ];
 
-/// Parameters that a PX4 has not: its own failsafes stand in for them, its rates are asked for by message, and any ground
+/// Parameters that a PX4 has not: its own failsafes and checks stand in for them, its rates are asked for by message, and any ground
 /// station counts.
 pub(in crate::personality) const ABSENT_PARAMETERS: &[Parameter] = &[
     Parameter::GroundSystemId,
+    Parameter::RateRawSensors,
     Parameter::RateExtendedStatus,
     Parameter::RatePosition,
     Parameter::RateExtra1,
     Parameter::RateExtra2,
     Parameter::RateExtra3,
     Parameter::RtlRadius,
+    Parameter::ArmingCheck,
     Parameter::GroundFailsafe,
     Parameter::LongFailsafeAction,
     Parameter::LongFailsafeTimeout,
