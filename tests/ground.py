@@ -19,6 +19,7 @@ CRUISE, RTL, LOITER, GUIDED = 7, 11, 12, 15
 VELOCITY_AND_ALTITUDE = 0x0DE3
 
 PATIENCE_S = 10.0
+TEXT_MAX = 50
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,15 @@ class Craft:
 
     def text(self):
         """The next STATUSTEXT that nobody has read: a refusal's reason comes before its acknowledgement."""
+        text = self._next_text()
+        # One that is longer than a message comes in chunks, of which the last is not full.
+        chunk = text
+        while chunk.id and len(chunk.text) == TEXT_MAX:
+            chunk = self._next_text()
+            text.text += chunk.text
+        return text
+
+    def _next_text(self):
         if not self.texts:
             self.wait(["STATUSTEXT"])
         return self.texts.popleft()

@@ -8,6 +8,7 @@ is asked now; without, its answers are those in `reference/arduplane.json`. To m
 
 import json
 import os
+import re
 import subprocess
 import tempfile
 from contextlib import contextmanager
@@ -47,6 +48,9 @@ def real_arduplane(folder):
         "plane",
         "--speedup",
         SPEED,
+        # Ports of its own, where several tests run at once.
+        "--instance",
+        re.sub(r"\D", "", os.environ.get("PYTEST_XDIST_WORKER", "0")),
         "--sysid",
         1,
         "--home",
@@ -55,7 +59,7 @@ def real_arduplane(folder):
         defaults,
         "--wipe",
     ]
-    command += ["--serial0", f"udpclient:127.0.0.1:{link.port.getsockname()[1]}"]
+    command += ["--serial0", f"udpclient:127.0.0.1:{link.port.getsockname()[1]}", "--serial1", "none", "--serial2", "none"]
     with open(Path(folder) / "log", "w") as log:
         process = subprocess.Popen(
             [str(word) for word in command], cwd=folder, stdout=log, stderr=log, stdin=subprocess.DEVNULL

@@ -21,7 +21,8 @@ REFUSED = {
     "an altitude of zero": (lambda craft: craft.change_altitude(0), DENIED),
     "an altitude of minus one": (lambda craft: craft.change_altitude(-1), DENIED),
     "a take-off": (lambda craft: craft.command_long(mavlink.MAV_CMD_NAV_TAKEOFF, p7=100), FAILED),
-    "a command of another trade": (lambda craft: craft.command_long(mavlink.MAV_CMD_DO_SET_SERVO, 1, 1500), UNSUPPORTED),
+    "a command of another trade": (lambda craft: craft.command_long(mavlink.MAV_CMD_DO_ORBIT, 80), UNSUPPORTED),
+    "a servo that is not there": (lambda craft: craft.command_long(mavlink.MAV_CMD_DO_SET_SERVO, 1, 1500), FAILED),
     "a command that nobody knows": (lambda craft: craft.command_long(59_999, 1, 2), UNSUPPORTED),
     "the same in the other message": (lambda craft: craft.command_int(59_999, 1, 2), UNSUPPORTED),
 }

@@ -1,6 +1,6 @@
 //! From messages to frames.
 
-use crate::dialect::{COMMAND_ACK_DATA, DialectMessage, MavResult, Message};
+use crate::dialect::{COMMAND_ACK_DATA, DialectMessage, MISSION_ACK_DATA, MavMissionResult, MavResult, Message};
 use crate::frame::{CHECKSUM, V1_HEADER, V1_START, V2_HEADER, V2_START, checksum, checksum_extra};
 use crate::{Target, Version};
 use mavlink::{MavlinkVersion, MessageData};
@@ -44,6 +44,25 @@ impl Encoder {
         self.write_frame(COMMAND_ACK_DATA::ID, out, |version, payload| {
             let [low, high] = command.to_le_bytes();
             let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
+            payload[..fields.len()].copy_from_slice(&fields);
+            match version {
+                MavlinkVersion::V1 => 3,
+                MavlinkVersion::V2 => mavlink::utils::remove_trailing_zeroes(&fields),
+            }
+        });
+    }
+
+    /// Appends a MISSION_ACK for a type of plan by its number, which the dialect need not know
+    /// (<https://mavlink.io/en/messages/common.html#MISSION_ACK>).
+    pub fn encode_mission_ack_raw(
+        &mut self,
+        mission_type: u8,
+        result: MavMissionResult,
+        target: Target,
+        out: &mut Vec<u8>,
+    ) {
+        self.write_frame(MISSION_ACK_DATA::ID, out, |version, payload| {
+            let fields = [target.system_id, target.component_id, result as u8, mission_type];
             payload[..fields.len()].copy_from_slice(&fields);
             match version {
                 MavlinkVersion::V1 => 3,

@@ -49,10 +49,7 @@ impl Vehicle {
     /// RUN_PREARM_CHECKS: accepted, and what stands against arming comes in words.
     pub(crate) fn run_prearm_checks(&mut self) -> Result<(), Refusal> {
         if self.flight.is_armed() {
-            return Err(Refusal {
-                result: MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
-                reason: Some("PreArm: it is armed".into()),
-            });
+            return Err(Refusal::new(MavResult::MAV_RESULT_TEMPORARILY_REJECTED, "PreArm: it is armed"));
         }
         if let Some(reason) = self.against_arming() {
             self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &format!("PreArm: {reason}"));

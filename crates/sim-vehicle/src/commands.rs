@@ -33,9 +33,14 @@ pub(crate) struct Command {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     pub result: MavResult,
-    /// For a STATUSTEXT, at most 50 characters.
+    /// For a STATUSTEXT.
     pub reason: Option<String>,
+    /// Whether a ground station need not read it aloud: it asks every vehicle whether it has this and that.
+    pub is_quiet: bool,
 }
+
+/// Altitudes that are no more than that, m either way, can be stored by ArduPilot.
+pub(crate) const ALTITUDE_MAX_M: f32 = 83_000.0;
 
 /// The frames that an altitude can be in.
 const GLOBAL_FRAMES: [MavFrame; 6] = [
@@ -108,7 +113,12 @@ impl Command {
 
 impl Refusal {
     pub fn new(result: MavResult, reason: impl Into<String>) -> Self {
-        Self { result, reason: Some(reason.into()) }
+        Self { result, reason: Some(reason.into()), is_quiet: false }
+    }
+
+    /// The same, as no warning.
+    pub fn quietly(self) -> Self {
+        Self { is_quiet: true, ..self }
     }
 
     pub fn denied(reason: impl Into<String>) -> Self {
@@ -120,7 +130,7 @@ impl Refusal {
     }
 
     pub fn unsupported() -> Self {
-        Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None }
+        Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None, is_quiet: true }
     }
 }
 
@@ -310,6 +320,9 @@ impl Vehicle {
 
     /// An altitude that a command gives, in m above the origin: terrain is as high as home.
     pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+        if z.abs() >= ALTITUDE_MAX_M {
+            return Err(Refusal::denied(format!("{name}: {z:e} m is no altitude")));
+        }
         match frame {
             MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => {
                 Ok(f64::from(z) - self.settings.frame.origin().altitude_amsl_m)
@@ -360,7 +373,9 @@ impl Vehicle {
     /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s, or -2 for AIRSPEED_CRUISE. Param 3: a throttle in percent,
     /// which has no effect on how this flight model flies.
     fn change_speed(&mut self, [kind, speed_mps, throttle_percent]: [f32; 3]) -> Result<(), Refusal> {
-        self.check_guided_command("Speed")?;
+        if self.mode() != Mode::Auto {
+            self.check_guided_command("Speed")?;
+        }
         check_finite("Speed", &[kind, speed_mps])?;
         if !(0..=1).contains(&integer(kind)) {
             return Err(Refusal::failed("Speed: only air and ground speed can be set"));

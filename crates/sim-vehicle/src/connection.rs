@@ -70,6 +70,7 @@ fn streams_of(group: MavDataStream) -> &'static [Stream] {
             Stream::EkfStatusReport,
             Stream::RawImu,
             Stream::ScaledPressure,
+            Stream::RcChannels,
         ],
         MavDataStream::MAV_DATA_STREAM_RAW_SENSORS => &[Stream::RawImu, Stream::ScaledPressure],
         MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => &[

@@ -1,19 +1,21 @@
 //! Home: where it is, who sets it, and altitudes above it.
 
-use crate::Vehicle;
-use crate::commands::{Command, Refusal};
+use crate::commands::{ALTITUDE_MAX_M, Command, Refusal, check_finite};
 use crate::flight::Home;
 use crate::streams::Stream;
+use crate::{Personality, Vehicle};
 use flight_model::Geodetic;
-
-/// Greatest altitude that ArduPilot stores, m either way.
-const ALTITUDE_MAX_M: f32 = 83_000.0;
+use mavlink_bridge::dialect::MavFrame;
 
 impl Vehicle {
     /// DO_SET_HOME. Param 1: 1 for where it is, or 0 for the place that comes with it; one of no latitude and longitude
     /// means where it is, too.
     pub(crate) fn do_set_home(&mut self, command: &Command) -> Result<(), Refusal> {
         let [p1, ..] = command.params;
+        check_finite("Home", &[p1])?;
+        if p1 != 1.0 {
+            check_finite("Home", &command.place)?;
+        }
         let (latitude_e7, longitude_e7) = command.position_e7();
         if p1 == 1.0 || (latitude_e7, longitude_e7) == (0, 0) {
             self.set_home_here();
@@ -26,10 +28,15 @@ impl Vehicle {
         if latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
             return Err(Refusal::failed("Home: no such place"));
         }
-        if command.z.is_nan() || command.z.abs() > ALTITUDE_MAX_M {
+        if command.z.is_nan() || command.z.abs() >= ALTITUDE_MAX_M {
             return Err(Refusal::denied("Home: no such altitude"));
         }
-        let altitude_m = self.altitude_m("Home", command.z, command.frame)?;
+        // To a PX4 it is above sea level whatever the frame.
+        let frame = match self.settings.personality {
+            Personality::Px4 => MavFrame::MAV_FRAME_GLOBAL,
+            Personality::ArduPlane | Personality::Generic => command.frame,
+        };
+        let altitude_m = self.altitude_m("Home", command.z, frame)?;
         self.set_home_at(self.to_local(latitude_e7, longitude_e7), altitude_m);
         self.home_is_set = true;
         Ok(())

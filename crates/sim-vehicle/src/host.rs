@@ -3,7 +3,7 @@
 use crate::endpoint::{Endpoint, EndpointReport, Shell, stopped};
 use crate::hosting::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
 use crate::parameters::{Pace, file};
-use crate::{Vehicle, VehicleCounters, VehicleSettings, plans};
+use crate::{SettingsError, Vehicle, VehicleCounters, VehicleSettings, plans};
 use mavlink_bridge::{Counters, LinkError, LinkSettings, UdpLink};
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -88,7 +88,12 @@ impl Host {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
                     Clock::RealTime { .. } => Vehicle::new(own),
                 };
-                let mut built = built.map_err(|source| HostError::Vehicle { vehicle, source })?;
+                let mut built = built.map_err(|source| match (&settings.state_folder, source) {
+                    (Some(folder), SettingsError::Parameter { name, reason }) => {
+                        file::refused(file::path(folder, vehicle), &name, reason).into()
+                    }
+                    (_, source) => HostError::Vehicle { vehicle, source },
+                })?;
                 built.keep_pace(Arc::clone(&pace));
                 Ok(built)
             })

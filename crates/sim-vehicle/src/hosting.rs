@@ -108,7 +108,7 @@ pub enum HostError {
     #[error(transparent)]
     Link(#[from] LinkError),
     /// A vehicle's settings are out of range.
-    #[error("vehicle {vehicle}: {source}")]
+    #[error("vehicle {}: {source}", vehicle + 1)]
     Vehicle {
         /// Index of the vehicle.
         vehicle: usize,
@@ -130,7 +130,11 @@ pub enum HostError {
         count: usize,
     },
     /// Two vehicles on one port have the same system id.
-    #[error("vehicles {first} and {second} share a port and system id {system_id}")]
+    #[error(
+        "vehicles {} and {} share a port and have the same MAV_SYSID, {system_id}: must differ",
+        first + 1,
+        second + 1
+    )]
     DuplicateSystemId {
         /// Index of one vehicle.
         first: usize,

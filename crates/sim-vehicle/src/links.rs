@@ -5,7 +5,7 @@ use crate::life::{Noise, Source};
 use crate::streams::{Schedule, Stream};
 use crate::telemetry::Instruments;
 use crate::{PeerId, TelemetryRates, Transmit, VehicleSettings};
-use mavlink_bridge::dialect::{MavResult, Message};
+use mavlink_bridge::dialect::{DialectMessage, MavMissionResult, MavResult, MavSeverity, Message, STATUSTEXT_DATA};
 use mavlink_bridge::{Counters, Encoder, PlanItemMessage, Target, Version, frames};
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -30,6 +30,8 @@ pub(crate) struct Links {
     loss: f64,
     /// Frames that might have been lost so far.
     risked: u64,
+    /// The number of the last text that did not fit into one message.
+    long_texts: u16,
 }
 
 #[derive(Debug)]
@@ -43,6 +45,10 @@ struct Link {
     open: Vec<u8>,
     /// Datagrams to send again while the peer does not answer.
     batch: Vec<Vec<u8>>,
+    /// Frames that have come from it, as far as it matters: more than one is no passer-by.
+    frames: u8,
+    /// Whether it sends and asks for items of plans by the older messages.
+    has_old_items: bool,
 }
 
 impl Links {
@@ -57,6 +63,7 @@ impl Links {
             noise: Noise::new(settings.seed, settings.number),
             loss: 0.0,
             risked: 0,
+            long_texts: 0,
         };
         if let Some(ground) = settings.ground {
             links.add(ground, true, Duration::ZERO, Duration::ZERO);
@@ -110,7 +117,11 @@ impl Links {
         self.settings.rates = *rates;
         for index in 0..self.links.len() {
             for &stream in streams {
-                self.links[index].schedule.set_interval(stream, stream.default_interval(rates), time);
+                self.links[index].schedule.set_interval(
+                    stream,
+                    stream.default_interval(rates, self.settings.personality),
+                    time,
+                );
             }
         }
         self.find_next_due();
@@ -119,7 +130,7 @@ impl Links {
     /// Every link has the default rates again.
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {
-            link.schedule = Schedule::new(&self.settings.rates, time);
+            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
         }
         self.find_next_due();
     }
@@ -131,6 +142,7 @@ impl Links {
         if let Some(index) = self.of_peer(peer) {
             let link = &mut self.links[index];
             link.heard = now;
+            link.frames = link.frames.saturating_add(1);
             if version == Version::V2 {
                 link.encoder.version = version;
             }
@@ -138,13 +150,49 @@ impl Links {
         }
         if self.links.len() >= LINKS_MAX {
             let learned = self.links.iter().enumerate().filter(|(_, link)| !link.permanent);
-            if let Some((index, _)) = learned.min_by_key(|(_, link)| link.heard) {
+            if let Some((index, _)) = learned.min_by_key(|(_, link)| (link.frames > 1, link.heard)) {
                 self.links.remove(index);
             }
         }
         let index = self.add(peer, false, now, time);
         self.links[index].encoder.version = version;
         (index, true)
+    }
+
+    /// Notes by which messages a peer sends and asks for items of plans.
+    pub fn note_old_items(&mut self, index: usize, has_old_items: bool) {
+        self.links[index].has_old_items = has_old_items;
+    }
+
+    /// Whether a peer sends and asks for items of plans by the older messages.
+    pub fn has_old_items(&self, index: usize) -> bool {
+        self.links[index].has_old_items
+    }
+
+    /// Says something to everybody: in MAVLink 2 as long as it is, in MAVLink 1 no more than fits
+    /// (<https://mavlink.io/en/messages/common.html#STATUSTEXT>).
+    pub fn say(&mut self, severity: MavSeverity, text: &str) {
+        const TEXT_MAX: usize = 50;
+        let id = if text.len() > TEXT_MAX {
+            self.long_texts = self.long_texts.checked_add(1).unwrap_or(1);
+            self.long_texts
+        } else {
+            0
+        };
+        let mut chunks: Vec<&[u8]> = text.as_bytes().chunks(TEXT_MAX).collect();
+        // A chunk that is not full is the last one.
+        if id != 0 && text.len() % TEXT_MAX == 0 {
+            chunks.push(&[]);
+        }
+        for (chunk_seq, chunk) in (0..u8::MAX).zip(chunks) {
+            let text = String::from_utf8_lossy(chunk);
+            let message = Message::STATUSTEXT(STATUSTEXT_DATA { severity, text: text.as_ref().into(), id, chunk_seq });
+            for index in 0..self.links.len() {
+                if chunk_seq == 0 || self.links[index].encoder.version == Version::V2 {
+                    self.send(index, &message);
+                }
+            }
+        }
     }
 
     /// Forgets the peers that have been silent for too long.
@@ -157,7 +205,7 @@ impl Links {
     }
 
     fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
-        let schedule = Schedule::new(&self.settings.rates, time);
+        let schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
         self.links.push(Link {
             peer,
             permanent,
@@ -166,13 +214,18 @@ impl Links {
             schedule,
             open: Vec::new(),
             batch: Vec::new(),
+            frames: 1,
+            has_old_items: false,
         });
         self.find_next_due();
         self.links.len() - 1
     }
 
+    /// Sends a message, if the peer can be sent it.
     pub fn send(&mut self, index: usize, message: &Message) {
-        self.write(index, |encoder, frame| encoder.encode(message, frame));
+        if self.can_carry(index, message.message_id()) {
+            self.write(index, |encoder, frame| encoder.encode(message, frame));
+        }
     }
 
     /// Sends what a stream has to say.
@@ -189,6 +242,15 @@ impl Links {
 
     pub fn acknowledge(&mut self, index: usize, command: u16, result: MavResult, target: Target) {
         self.write(index, |encoder, frame| encoder.encode_command_ack_raw(command, result, target, frame));
+    }
+
+    pub fn acknowledge_plan(&mut self, index: usize, mission_type: u8, result: MavMissionResult, target: Target) {
+        self.write(index, |encoder, frame| encoder.encode_mission_ack_raw(mission_type, result, target, frame));
+    }
+
+    /// Whether a peer can be sent a message: MAVLink 1 has ids up to 255.
+    pub fn can_carry(&self, index: usize, message_id: u32) -> bool {
+        self.links[index].encoder.version == Version::V2 || message_id <= 255
     }
 
     /// Sends what is due on each link.

@@ -1,9 +1,9 @@
 //! Commands about messages: how often one is sent, and one now.
 
-use crate::Vehicle;
 use crate::commands::{Refusal, check_finite, integer};
 use crate::settings::RATE_PER_STEP_MAX;
 use crate::streams::Stream;
+use crate::{Personality, Vehicle};
 use mavlink_bridge::dialect::{MESSAGE_INTERVAL_DATA, Message};
 use std::time::Duration;
 
@@ -13,10 +13,12 @@ impl Vehicle {
     /// Param 1: message id. Param 2: microseconds between two, 0 for the default, -1 for never. For this link only.
     pub(crate) fn set_message_interval(&mut self, [id, interval_us]: [f32; 2], link: usize) -> Result<(), Refusal> {
         check_finite("Interval", &[id, interval_us])?;
-        let stream = known_stream(id).map_err(Refusal::denied)?;
+        // A PX4 has another word for it.
+        let refuse = if self.settings.personality == Personality::Px4 { Refusal::failed } else { Refusal::denied };
+        let stream = known_stream(id).map_err(|reason| refuse(reason).quietly())?;
         let interval = match integer(interval_us) {
             -1 => None,
-            0 => stream.default_interval(&self.settings.rates),
+            0 => stream.default_interval(&self.settings.rates, self.settings.personality),
             us => {
                 let shortest = self.settings.step.div_f64(RATE_PER_STEP_MAX);
                 let interval = Duration::from_micros(u64::try_from(us).unwrap_or(1)).min(Duration::from_secs(60));
@@ -46,7 +48,10 @@ impl Vehicle {
         if integer(id) == i64::from(MESSAGE_INTERVAL) {
             return self.tell_message_interval(p2, link);
         }
-        let stream = known_stream(id).map_err(Refusal::failed)?;
+        let stream = known_stream(id).map_err(|reason| Refusal::failed(reason).quietly())?;
+        if !self.links.can_carry(link, stream.message_id()) {
+            return Err(Refusal::failed("MAVLink 1 does not have this message").quietly());
+        }
         self.send_stream(link, stream);
         Ok(())
     }
@@ -61,7 +66,7 @@ impl Vehicle {
         };
         let message_id = u16::try_from(integer(id)).unwrap_or(u16::MAX);
         self.links.send(link, &Message::MESSAGE_INTERVAL(MESSAGE_INTERVAL_DATA { interval_us, message_id }));
-        stream.map(|_| ()).map_err(Refusal::failed)
+        stream.map(|_| ()).map_err(|reason| Refusal::failed(reason).quietly())
     }
 }
 

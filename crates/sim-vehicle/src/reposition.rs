@@ -3,6 +3,9 @@
 use crate::commands::{Command, Refusal};
 use crate::{Mode, Vehicle};
 
+/// As wide as ArduPilot can store it, m.
+const RADIUS_MAX_M: f64 = 32_767.0;
+
 impl Vehicle {
     /// COMMAND_INT only, as in ArduPlane. Param 2: 1 to go into GUIDED. Param 3: radius in m, 0 for WP_LOITER_RAD. Param 4:
     /// anticlockwise if it is a number other than 0. x, y, z: the place. Param 1, a speed, is not read.
@@ -15,8 +18,8 @@ impl Vehicle {
         let altitude_m = self.guided_altitude_m("Reposition", command.z, command.frame)?;
         let [_, change_mode, radius_m, turn] = command.params;
         let radius_m = if radius_m > 0.0 { f64::from(radius_m) } else { self.flight.tuning().loiter_radius_m };
-        if !radius_m.is_finite() {
-            return Err(Refusal::denied("Reposition: radius is not finite"));
+        if !radius_m.is_finite() || radius_m > RADIUS_MAX_M {
+            return Err(Refusal::denied(format!("Reposition: {radius_m:e} m is no radius")));
         }
         if self.mode() != Mode::Guided && change_mode as i64 & 1 == 0 {
             return Err(Refusal::failed(format!("Reposition: mode is {}", self.mode())));

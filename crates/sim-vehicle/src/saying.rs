@@ -4,7 +4,7 @@ use crate::Vehicle;
 use crate::links::Links;
 use crate::streams::Stream;
 use crate::telemetry::Instruments;
-use mavlink_bridge::dialect::{MavSeverity, Message, STATUSTEXT_DATA};
+use mavlink_bridge::dialect::MavSeverity;
 
 impl Vehicle {
     /// Says who and where it is to a new peer, who will be asked again in lockstep.
@@ -26,9 +26,7 @@ impl Vehicle {
     }
 
     pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
-        let text = text.get(..text.len().min(50)).unwrap_or_default();
-        let text = STATUSTEXT_DATA { severity, text: text.into(), ..STATUSTEXT_DATA::DEFAULT };
-        self.links.send_all(&Message::STATUSTEXT(text));
+        self.links.say(severity, text);
     }
 
     pub(crate) fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {

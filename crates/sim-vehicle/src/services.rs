@@ -4,6 +4,7 @@
 #![allow(deprecated)]
 
 use crate::commands::{Command, Refusal};
+use crate::streams::Stream;
 use crate::{Personality, Vehicle};
 use mavlink_bridge::dialect::{
     DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
@@ -36,6 +37,15 @@ impl Vehicle {
             return;
         }
         if let Some((_, mission_type, message)) = plan_message(frame) {
+            const MISSION_ITEM: u32 = 39;
+            const MISSION_REQUEST: u32 = 40;
+            const MISSION_REQUEST_INT: u32 = 51;
+            const MISSION_ITEM_INT: u32 = 73;
+            match frame.header.message_id {
+                MISSION_ITEM | MISSION_REQUEST => self.links.note_old_items(link, true),
+                MISSION_ITEM_INT | MISSION_REQUEST_INT => self.links.note_old_items(link, false),
+                _ => {}
+            }
             self.serve_plan(link, sender, mission_type, message);
             return;
         }
@@ -56,6 +66,10 @@ impl Vehicle {
             Ok(Message::REQUEST_DATA_STREAM(data)) => self.set_data_stream(link, data),
             Ok(Message::FILE_TRANSFER_PROTOCOL(data)) => self.refuse_file_transfer(link, sender, data),
             Ok(Message::LOG_REQUEST_LIST(_)) => self.answer_log_request(link),
+            // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.
+            Ok(Message::SET_GPS_GLOBAL_ORIGIN(_)) if self.settings.personality != Personality::ArduPlane => {
+                self.send_stream(link, Stream::GpsGlobalOrigin);
+            }
             Ok(_) => {}
             Err(_) => {
                 if let Some(raw) = raw_command(frame) {
@@ -121,8 +135,10 @@ impl Vehicle {
             }
             Err(refusal) => {
                 self.counters.commands_refused += 1;
+                let severity =
+                    if refusal.is_quiet { MavSeverity::MAV_SEVERITY_INFO } else { MavSeverity::MAV_SEVERITY_WARNING };
                 if let Some(reason) = &refusal.reason {
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, reason);
+                    self.say(severity, reason);
                 }
                 refusal.result
             }

@@ -103,15 +103,17 @@ pub enum SettingsError {
     /// The start state has a component that is not a finite number.
     #[error("the start state is not finite")]
     StartNotFinite,
-    /// A parameter that the vehicle does not have.
-    #[error("no parameter {0}")]
-    NoSuchParameter(String),
     /// A plan that the vehicle refuses; the message says which item and why.
     #[error("{0}")]
     Plan(String),
-    /// A parameter with a value that it refuses; the message says which and why.
-    #[error("{0}")]
-    Parameter(String),
+    /// A parameter that the vehicle does not have, or a value of it that it refuses.
+    #[error("{reason}")]
+    Parameter {
+        /// Its name.
+        name: String,
+        /// What is wrong, the name included.
+        reason: String,
+    },
     /// The control period is not a positive whole number of milliseconds and of integration steps.
     #[error("control period {period:?} is not a whole number of milliseconds and of integration steps ({step:?})")]
     Period {
@@ -139,7 +141,7 @@ impl Default for VehicleSettings {
             armed: true,
             mode: Mode::Guided,
             rates: TelemetryRates::default(),
-            setpoint_timeout_s: 30.0,
+            setpoint_timeout_s: 0.0,
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),

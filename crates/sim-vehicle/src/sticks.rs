@@ -3,9 +3,9 @@
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
-use crate::Vehicle;
 use crate::flight::Sticks;
 use crate::parameters::Parameter;
+use crate::{Personality, Vehicle};
 use mavlink_bridge::dialect::{MANUAL_CONTROL_DATA, Message, RC_CHANNELS_DATA, RC_CHANNELS_OVERRIDE_DATA};
 use std::time::Duration;
 
@@ -105,8 +105,14 @@ impl Vehicle {
         self.flight.set_sticks(self.channels.sticks(self.time));
     }
 
-    /// Only the ground station of MAV_GCS_SYSID may move the sticks.
+    /// Whether somebody holds the sticks.
+    pub(crate) fn are_sticks_held(&self) -> bool {
+        self.channels.sticks(self.time).is_some()
+    }
+
+    /// Only the ground station of MAV_GCS_SYSID may move the sticks; to a PX4 all are the same.
     fn is_from_pilot(&self, system_id: u8) -> bool {
-        f32::from(system_id) == self.parameters.get(Parameter::GroundSystemId)
+        self.settings.personality == Personality::Px4
+            || f32::from(system_id) == self.parameters.get(Parameter::GroundSystemId)
     }
 }

@@ -1,6 +1,6 @@
 //! Which messages a link gets, and how often.
 
-use crate::TelemetryRates;
+use crate::{Personality, TelemetryRates};
 use std::time::Duration;
 
 /// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep tick.
@@ -115,8 +115,15 @@ impl Stream {
 
     /// The rate at which this stream comes by default, Hz; none if it comes only when it is asked for. Streams that share
     /// one are a group of ArduPlane's.
-    fn default_rate_hz(self, rates: &mut TelemetryRates) -> Option<&mut f64> {
+    fn default_rate_hz(self, rates: &mut TelemetryRates, personality: Personality) -> Option<&mut f64> {
         match self {
+            // What a PX4 sends beyond the others.
+            Stream::AttitudeQuaternion if personality == Personality::Px4 => Some(&mut rates.attitude_hz),
+            Stream::Altitude | Stream::WindCov | Stream::GpsGlobalOrigin if personality == Personality::Px4 => {
+                Some(&mut rates.system_time_hz)
+            }
+            Stream::Odometry | Stream::HighresImu if personality == Personality::Px4 => Some(&mut rates.raw_sensors_hz),
+
             Stream::Heartbeat => Some(&mut rates.heartbeat_hz),
             Stream::RawImu | Stream::ScaledPressure => Some(&mut rates.raw_sensors_hz),
             Stream::SysStatus
@@ -149,15 +156,15 @@ impl Stream {
     }
 
     /// Changes the rate at which this stream comes by default.
-    pub fn set_default_rate(self, rates: &mut TelemetryRates, rate_hz: f64) {
-        if let Some(rate) = self.default_rate_hz(rates) {
+    pub fn set_default_rate(self, rates: &mut TelemetryRates, personality: Personality, rate_hz: f64) {
+        if let Some(rate) = self.default_rate_hz(rates, personality) {
             *rate = rate_hz;
         }
     }
 
     /// The time between two messages by default; none if the stream is off.
-    pub fn default_interval(self, rates: &TelemetryRates) -> Option<Duration> {
-        let rate_hz = self.default_rate_hz(&mut { *rates }).map_or(0.0, |rate| *rate);
+    pub fn default_interval(self, rates: &TelemetryRates, personality: Personality) -> Option<Duration> {
+        let rate_hz = self.default_rate_hz(&mut { *rates }, personality).map_or(0.0, |rate| *rate);
         (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
     }
 }
@@ -171,8 +178,8 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    pub fn new(rates: &TelemetryRates, time: Duration) -> Self {
-        let interval = Stream::ALL.map(|stream| stream.default_interval(rates));
+    pub fn new(rates: &TelemetryRates, personality: Personality, time: Duration) -> Self {
+        let interval = Stream::ALL.map(|stream| stream.default_interval(rates, personality));
         let due = interval.map(|interval| next_multiple(interval, time));
         let mut schedule = Self { interval, due, next: Duration::MAX };
         schedule.find_next();
@@ -237,7 +244,7 @@ mod tests {
     #[test]
     fn the_rates_are_kept_without_drift() {
         let rates = TelemetryRates { attitude_hz: 30.0, ..TelemetryRates::default() };
-        let mut schedule = Schedule::new(&rates, Duration::ZERO);
+        let mut schedule = Schedule::new(&rates, Personality::ArduPlane, Duration::ZERO);
         let sent = due_in(&mut schedule, 0, 60_000);
         let count = |stream| sent.iter().filter(|(_, sent)| *sent == stream).count();
         assert_eq!(count(Stream::LocalPositionNed), 600);
@@ -251,7 +258,7 @@ mod tests {
 
     #[test]
     fn an_interval_can_be_set_and_switched_off() {
-        let mut schedule = Schedule::new(&TelemetryRates::OFF, Duration::ZERO);
+        let mut schedule = Schedule::new(&TelemetryRates::OFF, Personality::Px4, Duration::ZERO);
         assert_eq!(schedule.next(), Duration::MAX);
         schedule.set_interval(Stream::HomePosition, Some(Duration::from_millis(50)), Duration::from_millis(70));
         let times: Vec<u64> = due_in(&mut schedule, 70, 200).into_iter().map(|(time, _)| time).collect();

@@ -7,7 +7,7 @@ use crate::life::Life;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
 use crate::mission::{Mission, Progress};
-use crate::parameters::{Listings, Pace, Parameters};
+use crate::parameters::{Listings, Pace, Parameter, ParameterRefused, Parameters};
 use crate::personality::px4;
 use crate::plans::{PlanKind, Uploads};
 use crate::rally::Rally;
@@ -150,6 +150,7 @@ impl Vehicle {
         let in_lockstep = vehicle.lockstep.is_some();
         let first_mode = vehicle.settings.personality.first_mode(vehicle.mode(), in_lockstep);
         vehicle.flight.set_mode(first_mode);
+        vehicle.reconfigure_fence(Parameter::FenceEnable);
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
@@ -157,8 +158,11 @@ impl Vehicle {
 
     fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
         for (name, value) in values {
-            let known = self.parameters.named(&name).ok_or(SettingsError::NoSuchParameter(name))?;
-            self.set_parameter(known, value).map_err(|refused| SettingsError::Parameter(refused.to_string()))?;
+            let taken = match self.parameters.named(&name) {
+                Some(known) => self.set_parameter(known, value),
+                None => Err(ParameterRefused::Unknown(name.clone())),
+            };
+            taken.map_err(|refused| SettingsError::Parameter { name, reason: refused.to_string() })?;
         }
         Ok(())
     }

@@ -207,7 +207,7 @@ fn unknown_commands_are_unsupported_by_their_number() {
         let mut payload = datagram[10..datagram.len() - 2].to_vec();
         payload.resize(33, 0);
         payload[28..30].copy_from_slice(&number.to_le_bytes());
-        datagram = by_hand(76, 152, &payload);
+        datagram = common::by_hand(76, 152, &payload);
         client.vehicle.handle(Duration::ZERO, &datagram, client.address);
         let sent = client.vehicle.poll_transmit().unwrap().datagram;
         let mut counters = mavlink_bridge::Counters::default();
@@ -216,17 +216,6 @@ fn unknown_commands_are_unsupported_by_their_number() {
         let expected = if number == 60_000 { MAV_RESULT_UNSUPPORTED } else { MAV_RESULT_DENIED };
         assert_eq!(ack.payload()[..3], [low, high, expected as u8]);
     }
-}
-
-/// A MAVLink 2 frame with a payload of our own (checksum: CRC-16/MCRF4XX).
-fn by_hand(id: u8, crc_extra: u8, payload: &[u8]) -> Vec<u8> {
-    let mut frame = vec![0xFD, payload.len() as u8, 0, 0, 0, 255, 190, id, 0, 0];
-    frame.extend_from_slice(payload);
-    let crc = frame[1..].iter().chain([&crc_extra]).fold(0xFFFFu16, |crc, byte| {
-        (0..8).fold(crc ^ u16::from(*byte), |crc, _| if crc & 1 == 1 { (crc >> 1) ^ 0x8408 } else { crc >> 1 })
-    });
-    frame.extend_from_slice(&crc.to_le_bytes());
-    frame
 }
 
 #[test]

@@ -9,7 +9,7 @@ use mavlink_bridge::dialect::MavCmd::*;
 use mavlink_bridge::dialect::MavMissionResult::*;
 use mavlink_bridge::dialect::*;
 use mavlink_bridge::{Encoder, ItemKind, PlanItem, PlanItemMessage, Target, Version};
-use sim_vehicle::Mode;
+use sim_vehicle::{Mode, Personality, VehicleSettings};
 use std::time::Duration;
 
 const TO: Target = Target { system_id: TARGET, component_id: 1 };
@@ -45,6 +45,7 @@ fn result(messages: &[Message]) -> Option<MavMissionResult> {
 fn wanted(messages: &[Message]) -> Option<u16> {
     messages.iter().find_map(|message| match message {
         Message::MISSION_REQUEST(request) => Some(request.seq),
+        Message::MISSION_REQUEST_INT(request) => Some(request.seq),
         _ => None,
     })
 }
@@ -260,10 +261,11 @@ fn every_command_is_flown() {
 }
 
 #[test]
-fn jumps_without_end_do_not_hang_it() {
+fn jumps_without_end_end_the_mission() {
     let jump = item(MAV_CMD_DO_JUMP, [1.0, -1.0, 0.0, 0.0], 0.0, 0.0, 0.0);
-    let (client, track) = fly_mission(&[jump, jump], 5.0);
-    assert_eq!((client.vehicle.mode(), track.len()), (Mode::Auto, 500));
+    let (mut client, track) = fly_mission(&[jump, jump], 5.0);
+    assert_eq!((client.vehicle.mode(), track.len()), (Mode::Rtl, 500));
+    assert!(texts(&client.collect()).contains(&"Mission goes round in a circle, RTL".to_owned()));
 }
 
 #[test]
@@ -297,4 +299,94 @@ fn the_current_item_is_set_and_auto_goes_on_from_it() {
     assert_eq!(result(&client.ask(&count(0))), Some(MAV_MISSION_ACCEPTED));
     assert_eq!(client.vehicle.mode(), Mode::Rtl);
     client.vehicle.handle_timeout(Duration::from_secs(1));
+}
+
+/// A flight of a personality along items, from the ground or in the air.
+fn fly_as(personality: Personality, on_ground: bool, items: &[PlanItem], seconds: f64) -> (Client, Vec<Message>) {
+    let mut client = Client::new(VehicleSettings { personality, on_ground, ..quiet() });
+    assert_eq!(upload(&mut client, items), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(
+        client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]),
+        Some(MavResult::MAV_RESULT_ACCEPTED)
+    );
+    assert_eq!(client.command_long(MAV_CMD_MISSION_START, [0.0; 3]), Some(MavResult::MAV_RESULT_ACCEPTED));
+    client.fly(seconds);
+    let heard = client.collect();
+    (client, heard)
+}
+
+fn mission_state(client: &mut Client) -> (u16, MissionState) {
+    let answer = client.ask(&common::long(TARGET, MAV_CMD_REQUEST_MESSAGE, [42.0, 0.0, 0.0]));
+    let current = answer.iter().find_map(|message| match message {
+        Message::MISSION_CURRENT(current) => Some((current.seq, current.mission_state)),
+        _ => None,
+    });
+    current.unwrap()
+}
+
+#[test]
+fn a_return_at_the_end_is_reached_and_ends_the_mission() {
+    let there = item(MAV_CMD_NAV_WAYPOINT, [0.0, 20.0, 0.0, 0.0], 300.0, 0.0, 60.0);
+    let back = item(MAV_CMD_NAV_RETURN_TO_LAUNCH, [0.0; 4], 0.0, 0.0, 0.0);
+    let (mut client, heard) = fly_as(Personality::Px4, false, &[there, back], 40.0);
+    assert_eq!(reached(&heard), [0, 1]);
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+    assert_eq!(mission_state(&mut client), (1, MissionState::MISSION_STATE_COMPLETE));
+    // An ArduPlane flies home within the mission, and has reached it there.
+    let (mut client, heard) = fly_as(Personality::ArduPlane, false, &[there, there, back], 40.0);
+    assert_eq!((reached(&heard), client.vehicle.mode()), (vec![1], Mode::Auto));
+    client.fly(40.0);
+    assert_eq!((reached(&client.collect()), client.vehicle.mode()), (vec![2], Mode::Rtl));
+}
+
+#[test]
+fn a_px4_takes_off_for_a_mission_without_a_take_off() {
+    let there = item(MAV_CMD_NAV_WAYPOINT, [0.0, 20.0, 0.0, 0.0], 300.0, 0.0, 60.0);
+    for personality in [Personality::Px4, Personality::Generic] {
+        let (client, heard) = fly_as(personality, true, &[there], 90.0);
+        assert_eq!(reached(&heard), [0]);
+        assert!((client.vehicle.state().altitude_m - 60.0).abs() < 1.0);
+    }
+    let (client, _) = fly_as(Personality::ArduPlane, true, &[there, there], 60.0);
+    assert_eq!(client.vehicle.state().altitude_m, 0.0, "ArduPlane waits for a take-off");
+}
+
+#[test]
+fn a_mission_that_is_left_is_paused_and_a_px4_lets_it_be_cleared() {
+    let there = item(MAV_CMD_NAV_WAYPOINT, [0.0, 20.0, 0.0, 0.0], 900.0, 0.0, 60.0);
+    let (mut client, _) = fly_as(Personality::Px4, false, &[there, there], 5.0);
+    assert_eq!(mission_state(&mut client), (0, MissionState::MISSION_STATE_ACTIVE));
+    client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 4.0, 3.0]);
+    assert_eq!(mission_state(&mut client), (0, MissionState::MISSION_STATE_PAUSED));
+    client.command_long(MAV_CMD_MISSION_START, [0.0; 3]);
+    let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
+    assert_eq!(result(&client.ask(&Message::MISSION_CLEAR_ALL(clear))), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(client.vehicle.mode(), Mode::Loiter);
+}
+
+#[test]
+fn legs_are_flown_along_their_lines() {
+    let corners = [(400.0, 0.0), (400.0, 400.0), (0.0, 400.0), (0.0, 0.0)];
+    let corner = |(north, east)| item(MAV_CMD_NAV_WAYPOINT, [0.0, 10.0, 0.0, 0.0], north, east, 50.0);
+    let items: Vec<PlanItem> = [(0.0, 0.0)].iter().chain(&corners).copied().map(corner).collect();
+    let parameters = vec![("SIM_WIND_SPD".to_owned(), 6.0), ("SIM_WIND_DIR".to_owned(), 45.0)];
+    let mut client = Client::new(VehicleSettings { parameters, ..quiet() });
+    assert_eq!(upload(&mut client, &items), Some(MAV_MISSION_ACCEPTED));
+    client.command_long(MAV_CMD_MISSION_START, [0.0; 3]);
+    let track = client.fly(300.0);
+    // In the second half of the second leg, from (400, 0) to (400, 400): the turn onto it is made up for.
+    let second = track.iter().filter(|state| state.y_m > 150.0 && state.y_m < 390.0 && state.x_m > 300.0);
+    let off_m = second.map(|state| (state.x_m - 400.0).abs()).fold(0.0, f64::max);
+    assert!(off_m < 2.0, "{off_m}");
+    assert_eq!(reached(&client.collect()), [1, 2, 3, 4]);
+}
+
+#[test]
+fn do_jump_tag_chooses_the_item_of_that_number() {
+    let tag = item(MAV_CMD_JUMP_TAG, [7.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0);
+    let mut client = Client::new(quiet());
+    upload(&mut client, &[square()[0], square()[1], tag, square()[2]]);
+    assert_eq!(client.command_long(MAV_CMD_DO_JUMP_TAG, [7.0, 0.0, 0.0]), Some(MavResult::MAV_RESULT_ACCEPTED));
+    assert_eq!(mission_state(&mut client).0, 2);
+    assert_eq!(client.command_long(MAV_CMD_DO_JUMP_TAG, [8.0, 0.0, 0.0]), Some(MavResult::MAV_RESULT_FAILED));
 }

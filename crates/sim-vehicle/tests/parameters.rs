@@ -256,7 +256,7 @@ fn what_was_set_before_is_so_from_the_start() {
     assert_eq!(client.vehicle.set_parameters().count(), 2);
     client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 12.0, 0.0]);
     for (name, value, words) in
-        [("NOPE", 1.0, "no parameter NOPE"), ("MAV_SYSID", 0.0, "MAV_SYSID 0 is outside [1, 250]")]
+        [("NOPE", 1.0, "No parameter NOPE"), ("MAV_SYSID", 0.0, "MAV_SYSID 0 is outside [1, 250]")]
     {
         let settings = VehicleSettings { parameters: vec![(name.to_owned(), value)], ..quiet() };
         assert_eq!(Vehicle::new(settings).unwrap_err().to_string(), words);

@@ -9,7 +9,7 @@ use mavlink_bridge::dialect::MavMissionResult::*;
 use mavlink_bridge::dialect::*;
 use mavlink_bridge::{ItemKind, PlanItem, PlanItemMessage, Target};
 use proptest::prelude::*;
-use sim_vehicle::{Mode, Plans, Vehicle, VehicleSettings};
+use sim_vehicle::{Mode, Personality, Plans, Vehicle, VehicleSettings};
 
 const TO: Target = Target { system_id: TARGET, component_id: 1 };
 const FENCE: MavMissionType = MavMissionType::MAV_MISSION_TYPE_FENCE;
@@ -170,7 +170,7 @@ fn a_fence_that_makes_no_sense_is_refused_in_the_end_and_the_old_one_stays() {
 
 #[test]
 fn who_uploads_may_begin_anew_with_another_count_or_break_off() {
-    let mut client = Client::new(quiet());
+    let mut client = Client::new(VehicleSettings { personality: Personality::Px4, ..quiet() });
     client.ask(&count(FENCE, 9));
     send_item(&mut client, FENCE, 0, &square(100.0)[0]);
     assert_eq!(upload(&mut client, FENCE, &square(200.0)), MAV_MISSION_ACCEPTED);
@@ -181,12 +181,37 @@ fn who_uploads_may_begin_anew_with_another_count_or_break_off() {
         mission_type: FENCE,
         ..MISSION_ACK_DATA::DEFAULT
     };
-    assert_eq!(result(&client.ask(&Message::MISSION_ACK(ack.clone()))), Some((FENCE, MAV_MISSION_OPERATION_CANCELLED)));
-    assert_eq!(client.ask(&Message::MISSION_ACK(ack)), []);
+    // Not answered: who begins anew would take it for an answer to that.
+    assert_eq!(client.ask(&Message::MISSION_ACK(ack.clone())), []);
+    assert_eq!(client.ask(&Message::MISSION_ACK(ack.clone())), []);
     assert_eq!(client.vehicle.poll_timeout(), None);
     client.address = peer(50_000);
     assert_eq!(upload(&mut client, FENCE, &[]), MAV_MISSION_ACCEPTED);
     assert_eq!(on_board(&mut client, FENCE), []);
+
+    // An ArduPlane passes it over: the upload goes on, and nobody else has his turn.
+    let mut client = Client::new(quiet());
+    client.ask(&count(FENCE, 9));
+    assert_eq!(client.ask(&Message::MISSION_ACK(ack)), []);
+    assert!(client.vehicle.poll_timeout().is_some());
+    client.address = peer(50_000);
+    assert_eq!(result(&client.ask(&count(FENCE, 4))), Some((FENCE, MAV_MISSION_DENIED)));
+}
+
+#[test]
+fn plans_of_an_unknown_type_are_refused_by_it_and_nothing_is_cleared() {
+    let mut client = Client::new(quiet());
+    assert_eq!(upload(&mut client, FENCE, &square(200.0)), MAV_MISSION_ACCEPTED);
+    const CLEAR_ALL: u32 = 45;
+    let payload = [TARGET, 1, 200];
+    let datagram = common::by_hand(CLEAR_ALL as u8, 232, &payload);
+    client.vehicle.handle(client.vehicle.time(), &datagram, client.address);
+    let sent = client.vehicle.poll_transmit().unwrap().datagram;
+    let mut counters = mavlink_bridge::Counters::default();
+    let ack = mavlink_bridge::frames(&sent, &mut counters).find(|frame| frame.header.message_id == 47).unwrap();
+    assert_eq!(ack.payload(), [255, 190, MAV_MISSION_UNSUPPORTED as u8, 200]);
+    client.collect();
+    assert_eq!(on_board(&mut client, FENCE).len(), 4);
 }
 
 #[test]
@@ -404,4 +429,41 @@ proptest! {
             plans = now;
         }
     }
+}
+
+#[test]
+fn who_climbs_out_of_a_fence_comes_back_below_it() {
+    for (name, limit_m, altitude_m) in [("FENCE_ALT_MAX", 70.0, 90.0), ("FENCE_ALT_MIN", 40.0, 30.0)] {
+        let kind = if name == "FENCE_ALT_MAX" { 1.0 } else { 8.0 };
+        let parameters = [(name, limit_m), ("FENCE_TYPE", kind), ("FENCE_ENABLE", 1.0)];
+        let parameters = parameters.map(|(name, value)| (name.to_owned(), value)).to_vec();
+        let mut client = Client::new(VehicleSettings { parameters, ..quiet() });
+        client.fly(1.0);
+        assert_eq!(
+            client.command_int(
+                MAV_CMD_GUIDED_CHANGE_ALTITUDE,
+                [0.0; 3],
+                altitude_m,
+                MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT
+            ),
+            ACCEPTED,
+            "{name}"
+        );
+        client.fly(60.0);
+        assert_eq!(client.vehicle.mode(), Mode::Rtl);
+        assert!(texts(&client.collect()).contains(&"Fence breach cleared".to_owned()), "{name}");
+        assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 15.0, 0.0]), ACCEPTED);
+    }
+}
+
+#[test]
+fn the_fence_of_a_px4_counts_as_soon_as_it_is_uploaded() {
+    let mut client = Client::new(VehicleSettings { personality: Personality::Px4, ..quiet() });
+    assert_eq!(upload(&mut client, FENCE, &square(200.0)), MAV_MISSION_ACCEPTED);
+    assert_eq!(client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 4.0, 19.0]), ACCEPTED);
+    client.fly(25.0);
+    // GF_ACTION is 2 at first: Hold, which anybody may leave.
+    assert_eq!(client.vehicle.mode(), Mode::Loiter);
+    assert!(texts(&client.collect()).contains(&"Polygon fence breached".to_owned()));
+    assert_eq!(client.command_long(MAV_CMD_NAV_RETURN_TO_LAUNCH, [0.0; 3]), ACCEPTED);
 }

@@ -7,7 +7,7 @@ use crate::config::{self, GROUND_PORT, Overrides, Scenario, VEHICLE_PORT};
 use crate::flying;
 use anyhow::{Context, anyhow};
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Host, HostReport, HostSettings};
+use sim_vehicle::{Host, HostError, HostReport, HostSettings};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -36,7 +36,10 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
         vehicle.ground = ground(&scenario, index);
     }
     let report = block_on(async {
-        let host = Host::bind(&settings, vehicles).map_err(|error| vehicle_port_refused(&scenario, error))?;
+        let host = Host::bind(&settings, vehicles).map_err(|error| match error {
+            HostError::Link(_) | HostError::TooManyPorts { .. } => vehicle_port_refused(&scenario, error),
+            other => other.into(),
+        })?;
         if args.json || !cli.quiet {
             let table = Table::of(&host, speed);
             let words = if args.json { table.json() } else { table.words() };

@@ -64,7 +64,7 @@ impl Vehicle {
             self.failsafes.setpoints_lost = true;
             self.flight.set_mode(Mode::Loiter);
             self.counters.failsafes += 1;
-            let text = format!("Failsafe: no setpoint for {} s, LOITER", self.settings.setpoint_timeout_s);
+            let text = format!("Failsafe: no setpoint for {} s, LOITER", self.parameters.get(Parameter::GuidedTimeout));
             self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &text);
         }
         if self.parameters.get(Parameter::GroundFailsafe) != 0.0 {
@@ -78,7 +78,7 @@ impl Vehicle {
 
     /// The time-out runs while the vehicle flies in GUIDED; on the ground nothing is lost yet.
     pub(crate) fn restart_setpoint_timeout(&mut self) {
-        let timeout_s = self.settings.setpoint_timeout_s;
+        let timeout_s = f64::from(self.parameters.get(Parameter::GuidedTimeout));
         let runs = timeout_s > 0.0 && self.flight.is_armed() && self.flight.mode() == Mode::Guided;
         let timeout = if runs { Duration::try_from_secs_f64(timeout_s).ok() } else { None };
         self.failsafes.setpoints_until = timeout.map_or(Duration::MAX, |timeout| self.time.saturating_add(timeout));

@@ -2,13 +2,13 @@
 
 use super::items::{area, as_kept};
 use super::{
-    ALL, Floor, Kinds, MANUAL_RECOVERY, MIN_ALTITUDE, OPTION_LOCK_MODE, POLYGON, Place, Recovery, configured,
-    has_option, inclusions_are_one, names,
+    ALL, Floor, Kinds, MANUAL_RECOVERY, MAX_ALTITUDE, MIN_ALTITUDE, OPTION_LOCK_MODE, POLYGON, Place, Recovery,
+    configured, has_option, inclusions_are_one, names,
 };
-use crate::commands::Refusal;
+use crate::commands::{Refusal, check_finite};
 use crate::parameters::Parameter;
 use crate::streams::Stream;
-use crate::{Mode, Vehicle};
+use crate::{Mode, Personality, Vehicle};
 use flight_model::State;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::MavSeverity;
@@ -38,6 +38,7 @@ impl Vehicle {
 
     /// DO_FENCE_ENABLE. Param 1: 0 off, 1 on, 2 only the least altitude off. Param 2: which kinds, 0 for all.
     pub(crate) fn enable_fence(&mut self, [action, kinds]: [f32; 2]) -> Result<(), Refusal> {
+        check_finite("Fence", &[action, kinds])?;
         let kinds = match kinds as Kinds {
             0 => ALL,
             some => some,
@@ -60,6 +61,9 @@ impl Vehicle {
 
     /// Why the fence does not let it arm, if it does not.
     pub(crate) fn fence_forbids_arming(&self) -> Option<String> {
+        if self.settings.personality == Personality::Px4 {
+            return None;
+        }
         let get = |parameter: Parameter| self.parameters.get(parameter);
         let (fence, state) = (&self.fence, self.flight.estimate());
         let configured = configured(&self.parameters);
@@ -190,19 +194,44 @@ impl Vehicle {
     /// FENCE_ACTION.
     fn recover(&mut self) {
         let before = self.mode();
+        let is_px4 = self.settings.personality == Personality::Px4;
         let mode = match self.parameters.get(Parameter::FenceAction) as u8 {
-            1 | 8 => Mode::Rtl,
-            6 | 7 => Mode::Guided,
-            // Only told: 0, and what has no meaning for a plane.
+            2 if is_px4 => Mode::Loiter,
+            3 if is_px4 => Mode::Rtl,
+            5 if is_px4 => Mode::Land,
+            1 | 8 if !is_px4 => Mode::Rtl,
+            6 | 7 if !is_px4 => Mode::Guided,
+            // Only told: 0, and what has no meaning for a plane, or a PX4 has for a warning.
             _ => return,
         };
         self.counters.failsafes += 1;
         self.set_mode(mode);
         if mode == Mode::Guided {
             self.fly_to_return_point();
+        } else {
+            self.return_within_altitudes();
         }
         if before != mode {
             self.fence.recovery = Some(Recovery { mode, before });
+        }
+    }
+
+    /// Who returns at the altitude of the breach would stay outside for ever: the way back is within the altitudes that
+    /// count.
+    fn return_within_altitudes(&mut self) {
+        let get = |parameter: Parameter| f64::from(self.parameters.get(parameter));
+        let (home_m, margin_m) = (self.flight.home().altitude_m, get(Parameter::FenceMargin));
+        let counts = |kind: Kinds| self.fence.enabled & kind != 0;
+        let wanted_m = self.flight.aim().altitude_m;
+        let mut altitude_m = wanted_m;
+        if counts(MAX_ALTITUDE) {
+            altitude_m = altitude_m.min(home_m + get(Parameter::FenceAltitudeMax) - margin_m);
+        }
+        if counts(MIN_ALTITUDE) {
+            altitude_m = altitude_m.max(home_m + get(Parameter::FenceAltitudeMin) + margin_m);
+        }
+        if altitude_m != wanted_m {
+            self.flight.set_altitude(altitude_m, f64::INFINITY);
         }
     }
 

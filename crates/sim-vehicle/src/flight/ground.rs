@@ -50,7 +50,9 @@ impl Flight {
         let runs = self.is_engine_running() && (takes_off || hands_run);
         let acceleration_mps2 = if runs { RUN_MPS2 } else { -BRAKE_MPS2 };
         let before_mps = self.state.speed_mps;
-        let fastest_mps = self.speed.target.max(before_mps);
+        // The speed asked for is an airspeed: down the wind the run is as much faster.
+        let tail_wind_mps = before_mps - self.lift_off_speed_mps();
+        let fastest_mps = (self.speed.target + tail_wind_mps).max(before_mps);
         let after_mps = (before_mps + acceleration_mps2 * step_s).clamp(0.0, fastest_mps);
         let run_m = 0.5 * (before_mps + after_mps) * step_s;
         let (sin, cos) = libm::sincos(self.state.course_rad);

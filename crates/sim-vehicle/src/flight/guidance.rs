@@ -16,8 +16,25 @@ pub(super) enum Direction {
     /// To a place, (north, east) in m.
     Place {
         at: (f64, f64),
+        /// Where the line to it begins that is followed; none: from anywhere.
+        from: Option<(f64, f64)>,
         flies_away: bool,
     },
+}
+
+/// How far ahead on a line a vehicle steers for, s: about what ArduPlane's L1 controller does by default.
+const LINE_AHEAD_S: f64 = 4.0;
+
+/// The point of a line that is so far ahead of where the vehicle is abreast of it; none where the line ends before.
+fn ahead_on_line(from: (f64, f64), to: (f64, f64), at: (f64, f64), ahead_m: f64) -> Option<(f64, f64)> {
+    let (north, east) = (to.0 - from.0, to.1 - from.1);
+    let length_m = (north * north + east * east).sqrt();
+    if length_m <= ahead_m {
+        return None;
+    }
+    let along_m = ((at.0 - from.0) * north + (at.1 - from.1) * east) / length_m;
+    let share = (along_m.max(0.0) + ahead_m) / length_m;
+    (share < 1.0).then_some((from.0 + share * north, from.1 + share * east))
 }
 
 /// What a vehicle steers for, as it tells others.
@@ -70,9 +87,18 @@ impl Flight {
 
     /// Flies to a place, (north, east) in m, and over it.
     pub fn fly_to(&mut self, place: (f64, f64)) {
+        self.fly_toward(None, place);
+    }
+
+    /// The same along the line from one place to the other.
+    pub fn fly_leg(&mut self, from: (f64, f64), to: (f64, f64)) {
+        self.fly_toward(Some(from), to);
+    }
+
+    fn fly_toward(&mut self, from: Option<(f64, f64)>, at: (f64, f64)) {
         self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
-        self.direction = Direction::Place { at: place, flies_away: false };
+        self.direction = Direction::Place { at, from, flies_away: false };
     }
 
     /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.
@@ -116,7 +142,7 @@ impl Flight {
         match self.direction {
             Direction::Course(rad) | Direction::Heading(rad) => rad,
             Direction::Circle(circle) => circle.course_rad(&self.estimate()),
-            Direction::Place { at, flies_away } => self.course_to_rad(at, flies_away),
+            Direction::Place { at, from, flies_away } => self.course_to_rad(at, from, flies_away),
         }
     }
 
@@ -153,7 +179,9 @@ impl Flight {
     /// The course to a place. The course loop lags by its time constant behind a bearing that turns, which is fed forward:
     /// so the vehicle flies over the place and not past it. One that is too near to turn to would be circled for ever:
     /// the vehicle first flies away, twice as far as it needs to turn round.
-    fn course_to_rad(&mut self, at: (f64, f64), flies_away: bool) -> f64 {
+    ///
+    /// A line is followed by steering for a point of it that is some seconds ahead, and at its end for the place.
+    fn course_to_rad(&mut self, at: (f64, f64), from: Option<(f64, f64)>, flies_away: bool) -> f64 {
         const AHEAD_RAD: f64 = 1.0;
         let state = self.estimate();
         let (north, east) = (at.0 - state.x_m, at.1 - state.y_m);
@@ -169,9 +197,14 @@ impl Flight {
         let off_rad = wrap_pi(bearing_rad - state.course_rad);
         let is_too_near = distance_m < if flies_away { 2.0 * turn_m } else { turn_m };
         let flies_away = off_rad.abs() > AHEAD_RAD && is_too_near;
-        self.direction = Direction::Place { at, flies_away };
+        self.direction = Direction::Place { at, from, flies_away };
         if flies_away {
             return state.course_rad;
+        }
+        let ahead_m = LINE_AHEAD_S * speed_mps;
+        let on_line = from.and_then(|from| ahead_on_line(from, at, (state.x_m, state.y_m), ahead_m));
+        if let Some((x_m, y_m)) = on_line {
+            return libm::atan2(y_m - state.y_m, x_m - state.x_m);
         }
         bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)
     }

@@ -14,8 +14,12 @@ use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-/// Most items that are done in one step without any flying between them: jumps may go round for ever.
-const ITEMS_AT_ONCE_MAX: usize = 100;
+/// Most items that are done in one step without any flying between them, more than there are in a mission: jumps may go
+/// round for ever.
+const ITEMS_AT_ONCE_MAX: usize = 1000;
+
+/// Least height above home that is climbed to before a mission without a take-off goes on, m.
+const LEAST_TAKE_OFF_M: f64 = 10.0;
 
 /// How far AUTO has come.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +33,8 @@ pub(crate) struct Progress {
     pub has_looked_for_landing: bool,
     /// Times that each jump was made.
     jumps: Vec<(u16, u32)>,
+    /// The place of the item before the current one, (north, east) in m: the leg begins there.
+    from: Option<(f64, f64)>,
     pub(super) leg: Leg,
 }
 
@@ -48,6 +54,8 @@ pub(super) enum Leg {
     Landing,
     /// A landing is given up: to climb to an altitude, m above the origin.
     GoAround(f64),
+    /// It stands on the ground and the mission has no take-off: to climb to an altitude, m above the origin, first.
+    TakeOffFirst(f64),
     /// Nothing: it has no end.
     Forever,
 }
@@ -88,6 +96,7 @@ impl Vehicle {
             self.reset_mission();
         }
         self.progress.leg = Leg::Begin;
+        self.progress.from = None;
     }
 
     /// AUTO will begin with the first item.
@@ -144,6 +153,7 @@ impl Vehicle {
         if self.mode() != Mode::Auto || !self.flight.is_armed() {
             return;
         }
+        let mut has_jumped = false;
         for _ in 0..ITEMS_AT_ONCE_MAX {
             if self.mode() != Mode::Auto {
                 return;
@@ -159,8 +169,11 @@ impl Vehicle {
                 self.begin_item(&item);
                 // What needs no flying is reached too, but to ArduPlane.
                 let is_done = self.progress.current != seq && self.settings.personality != Personality::ArduPlane;
-                if is_done && item.command != JUMP {
-                    self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
+                let is_jump = matches!(item.command, JUMP | JUMP_TO_TAG);
+                has_jumped |= is_jump;
+                // Once is enough for what a jump comes back to without any flying.
+                if is_done && !is_jump && !has_jumped {
+                    self.tell_reached(seq);
                 }
             } else if self.is_leg_done() {
                 if item.command == TAKEOFF {
@@ -171,6 +184,12 @@ impl Vehicle {
                 return;
             }
         }
+        self.progress.is_complete = true;
+        self.end_mission("Mission goes round in a circle");
+    }
+
+    fn tell_reached(&mut self, seq: u16) {
+        self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
     }
 
     fn end_mission(&mut self, text: &str) {
@@ -182,11 +201,16 @@ impl Vehicle {
 
     fn end_leg(&mut self) {
         let seq = self.progress.current;
-        if matches!(self.progress.leg, Leg::GoAround(_)) {
-            self.restart_landing();
-            return;
+        match self.progress.leg {
+            Leg::GoAround(_) => return self.restart_landing(),
+            Leg::TakeOffFirst(_) => {
+                self.progress.leg = Leg::Begin;
+                return;
+            }
+            Leg::Place { at, .. } | Leg::Circle { at, .. } => self.progress.from = Some(at),
+            _ => self.progress.from = None,
         }
-        self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
+        self.tell_reached(seq);
         if matches!(self.progress.leg, Leg::Landing) {
             // A mission ends on the ground, as in ArduPlane.
             self.progress.is_complete = true;
@@ -206,10 +230,17 @@ impl Vehicle {
         let [p1, p2, p3, _] = item.params.map(f64::from);
         let at = self.place_of(item);
         let altitude_m = self.altitude_of(item);
+        if self.stands_before(item) {
+            let altitude_m = altitude_m.max(self.flight.home().altitude_m + LEAST_TAKE_OFF_M);
+            self.flight.take_off(altitude_m);
+            self.progress.leg = Leg::TakeOffFirst(altitude_m);
+            return;
+        }
         let or_usual = |radius_m: f64| if radius_m == 0.0 { self.flight.tuning().loiter_radius_m } else { radius_m };
         self.progress.leg = match item.command {
             WAYPOINT => {
-                self.flight.fly_to(at);
+                let from = self.progress.from.unwrap_or_else(|| self.here());
+                self.flight.fly_leg(from, at);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
                 Leg::Place { at, radius_m, nearest_m: f64::INFINITY }
@@ -245,9 +276,21 @@ impl Vehicle {
                 self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Landing approach start at {height_m:.1}m"));
                 Leg::Landing
             }
-            RETURN_TO_LAUNCH => {
+            // A PX4 has reached it at once and goes over into Return; an ArduPilot flies home within the mission.
+            RETURN_TO_LAUNCH if self.settings.personality == Personality::Px4 => {
+                self.progress.is_complete = self.mission.get(seq + 1).is_none();
+                self.tell_reached(seq);
                 self.set_mode(Mode::Rtl);
                 return;
+            }
+            RETURN_TO_LAUNCH => {
+                let tuning = *self.flight.tuning();
+                let (rally, home) = (self.best_rally(), self.flight.home());
+                let altitude_m = rally.map(|rally| rally.altitude_m);
+                let altitude_m = altitude_m.or(tuning.rtl_altitude_m.map(|above_m| home.altitude_m + above_m));
+                let altitude_m = altitude_m.unwrap_or(self.flight.state().altitude_m);
+                let at = rally.map_or(home.at(), |rally| rally.at);
+                self.circle_until(at, tuning.rtl_radius_m, altitude_m, CircleEnd::Stayed(Duration::ZERO))
             }
             CHANGE_SPEED => {
                 self.change_mission_speed(p2);
@@ -277,6 +320,20 @@ impl Vehicle {
             // Marks, and what the upload lets in that means nothing here.
             _ => return self.go_to(seq + 1),
         };
+    }
+
+    /// Whether it is on the ground and the item is a place in the air: a PX4 takes off first, where an ArduPlane waits for a
+    /// take-off that does not come.
+    fn stands_before(&self, item: &PlanItem) -> bool {
+        self.settings.personality != Personality::ArduPlane
+            && self.flight.is_on_ground()
+            && matches!(item.command, WAYPOINT | LOITER_UNLIM | LOITER_TURNS | LOITER_TIME | LOITER_TO_ALTITUDE)
+    }
+
+    /// Where it is, (north, east) in m.
+    pub(super) fn here(&self) -> (f64, f64) {
+        let state = self.flight.estimate();
+        (state.x_m, state.y_m)
     }
 
     fn circle_until(&mut self, at: (f64, f64), radius_m: f64, altitude_m: f64, until: CircleEnd) -> Leg {
@@ -337,7 +394,9 @@ impl Vehicle {
                     AltitudeEnd::NotAbove => above_m <= TAKEOFF_TOLERANCE_M,
                 }
             }
-            Leg::GoAround(altitude_m) => state.altitude_m >= *altitude_m - TAKEOFF_TOLERANCE_M,
+            Leg::GoAround(altitude_m) | Leg::TakeOffFirst(altitude_m) => {
+                state.altitude_m >= *altitude_m - TAKEOFF_TOLERANCE_M
+            }
             Leg::Circle { at, radius_m, until, flown } => {
                 let (distance_m, bearing_rad) = from(*at);
                 match flown {
@@ -366,8 +425,7 @@ impl Vehicle {
     /// Where an item is, (north, east) in m; without a place, here.
     pub(crate) fn place_of(&self, item: &PlanItem) -> (f64, f64) {
         if item.latitude_e7 == 0 && item.longitude_e7 == 0 {
-            let state = self.flight.estimate();
-            return (state.x_m, state.y_m);
+            return self.here();
         }
         self.to_local(item.latitude_e7, item.longitude_e7)
     }

@@ -1,5 +1,6 @@
 //! The items of a mission: which of them the vehicle takes, and what is wrong with the others.
 
+use crate::commands::ALTITUDE_MAX_M;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MavCmd, MavMissionResult};
 use std::ops::Range;
@@ -25,10 +26,13 @@ pub(super) const JUMP_TO_TAG: u16 = MavCmd::MAV_CMD_DO_JUMP_TAG as u32 as u16;
 
 /// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are none
 /// while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.
-const WITHOUT_EFFECT: [u16; 38] = [
+const WITHOUT_EFFECT: [u16; 40] = [
     92, 93, 112, 114, 115, 181, 182, 183, 184, 193, 194, 195, 197, 201, 202, 203, 205, 206, 208, 210, 211, 212, 215,
-    216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 42600, 42703,
+    216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 3000, 42600, 42702, 42703,
 ];
+
+/// The same of a PX4 (`mavlink_mission.cpp`), beyond those: regions of interest, cameras, mounts, gimbals, actuators, gates.
+const WITHOUT_EFFECT_BUT_TO_ARDUPLANE: [u16; 12] = [80, 187, 196, 198, 200, 204, 214, 260, 530, 1001, 2003, 4501];
 
 /// Whether an item has a place, as ArduPilot stores it.
 pub(super) fn has_place(command: u16) -> bool {
@@ -50,7 +54,9 @@ pub(crate) fn has_heading(command: u16) -> bool {
 pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMissionResult> {
     let is_known = has_place(item.command)
         || matches!(item.command, RETURN_TO_LAUNCH | JUMP | CHANGE_SPEED | FENCE_ENABLE | TAG | JUMP_TO_TAG)
-        || WITHOUT_EFFECT.contains(&item.command);
+        || WITHOUT_EFFECT.contains(&item.command)
+        // Where item 0 is flown it is no ArduPlane.
+        || flown.start == 0 && WITHOUT_EFFECT_BUT_TO_ARDUPLANE.contains(&item.command);
     if !is_known {
         return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED);
     }
@@ -82,8 +88,6 @@ pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMission
 }
 
 fn check_place(item: &PlanItem) -> Result<(), MavMissionResult> {
-    /// Greatest altitude that ArduPilot stores, m either way.
-    const ALTITUDE_MAX_M: f32 = 83_000.0;
     if item.latitude_e7.unsigned_abs() > 900_000_000 {
         return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM5_X);
     }

@@ -16,6 +16,16 @@ pub enum ParameterFileError {
         /// What the system says.
         source: io::Error,
     },
+    /// A line names a parameter that there is not, or a value that it cannot have.
+    #[error("{}:{line}: {reason}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A line is not a name and a number.
     #[error("{}:{line}: expected NAME VALUE, found {text:?}", path.display())]
     Line {
@@ -40,6 +50,14 @@ pub(crate) fn read(path: &Path) -> Result<Vec<(String, f32)>, ParameterFileError
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
         Err(source) => Err(ParameterFileError::Io { path: path.to_owned(), source }),
     }
+}
+
+/// For a parameter of a file that its vehicle does not take: where it stands.
+pub(crate) fn refused(path: PathBuf, name: &str, reason: String) -> ParameterFileError {
+    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let names = |line: &str| line.split([' ', '\t', ',']).find(|word| !word.is_empty()) == Some(name);
+    let line = text.lines().position(names).map_or(0, |index| index + 1);
+    ParameterFileError::Refused { path, line, reason }
 }
 
 /// Writes a file whole, or leaves the old one as it was.

@@ -119,8 +119,9 @@ impl Parameters {
         if !value.is_finite() {
             return Err(ParameterRefused::NotFinite(name));
         }
-        let real = self.kind(parameter) == MavParamType::MAV_PARAM_TYPE_REAL32;
-        let value = if real { value } else { value.trunc() };
+        // A generic autopilot tells whole numbers as floats, and they are whole all the same.
+        let kind = if self.personality == Personality::Generic { parameter.kind() } else { self.kind(parameter) };
+        let value = if kind == MavParamType::MAV_PARAM_TYPE_REAL32 { value } else { value.trunc() };
         let (least, most) = self.range(parameter);
         if !(least..=most).contains(&value) {
             return Err(ParameterRefused::Range { name, value, least, most });

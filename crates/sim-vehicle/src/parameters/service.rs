@@ -32,6 +32,8 @@ impl Vehicle {
         match request {
             ParameterRequest::List => {
                 let peer = self.links.peer(link);
+                // Clients that ask for all this have just connected: some learn from the next heartbeat whom they talk to.
+                self.send_stream(link, Stream::Heartbeat);
                 let due = self.pace.reserve(peer, self.host_now);
                 // Asked again, it begins again.
                 self.listings.0.retain(|listing| listing.peer != peer);
@@ -101,6 +103,7 @@ impl Vehicle {
             Effect::RadioLoss => self.links.set_loss(f64::from(value) / 100.0),
             Effect::Battery => self.life.battery.replace(),
             Effect::Fence => self.reconfigure_fence(parameter),
+            Effect::SetpointTimeout => self.restart_setpoint_timeout(),
             Effect::LookedUp | Effect::ReadOnly => {}
         }
         Ok(())
@@ -136,7 +139,7 @@ impl Vehicle {
 
     fn set_rates(&mut self, streams: &[Stream], rate_hz: f32) {
         for &stream in streams {
-            stream.set_default_rate(&mut self.settings.rates, f64::from(rate_hz));
+            stream.set_default_rate(&mut self.settings.rates, self.settings.personality, f64::from(rate_hz));
         }
         self.links.set_default_rates(&self.settings.rates, streams, self.time);
     }

@@ -42,6 +42,8 @@ pub(crate) enum Effect {
     Battery,
     /// Which fences are enabled.
     Fence,
+    /// When the lack of setpoints becomes a failsafe.
+    SetpointTimeout,
 }
 
 /// A row is: who it is in the code, its name, its type, its initial value, its range, its effect.
@@ -110,6 +112,9 @@ parameters! {
 
     ArmingCheck: "ARMING_CHECK", INT32, |_| 1.0, |_| (0.0, 8_388_607.0), Effect::LookedUp;
 
+    // ArduCopter's name: ArduPlane waits for ever for a setpoint.
+    GuidedTimeout: "GUID_TIMEOUT", REAL, |s| s.setpoint_timeout_s as f32, |_| (0.0, 1e6), Effect::SetpointTimeout;
+
     // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;
     LongFailsafeAction: "FS_LONG_ACTN", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
@@ -154,9 +159,10 @@ parameters! {
     AccelerometerBiasZ: "SIM_ACC1_BIAS_Z", REAL, |_| 0.0, |_| (-20.0, 20.0), Effect::LookedUp;
     GyroscopeNoise: "SIM_GYR1_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
     CompassNoise: "SIM_MAG_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
-    FenceEnable: "FENCE_ENABLE", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::Fence;
+    // A PX4's fence counts as soon as it is uploaded.
+    FenceEnable: "FENCE_ENABLE", INT8, |s| f32::from(s.personality == Personality::Px4), |_| (0.0, 1.0), Effect::Fence;
     FenceType: "FENCE_TYPE", INT8, |_| 4.0, |_| (0.0, 15.0), Effect::Fence;
-    FenceAction: "FENCE_ACTION", INT8, |_| 1.0, |_| (0.0, 8.0), Effect::LookedUp;
+    FenceAction: "FENCE_ACTION", INT8, |s| if s.personality == Personality::Px4 { 2.0 } else { 1.0 }, |_| (0.0, 8.0), Effect::LookedUp;
     FenceAltitudeMax: "FENCE_ALT_MAX", REAL, |_| 100.0, |_| (0.0, 10_000.0), Effect::LookedUp;
     FenceRadius: "FENCE_RADIUS", REAL, |_| 300.0, |_| (0.0, 1e6), Effect::LookedUp;
     FenceMargin: "FENCE_MARGIN", REAL, |_| 2.0, |_| (0.0, 1000.0), Effect::LookedUp;

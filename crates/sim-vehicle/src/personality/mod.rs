@@ -134,20 +134,25 @@ impl Personality {
         }
     }
 
-    /// How it asks for an item of an upload.
-    /// ArduPlane still asks by the older message, and some clients (dronekit) answer no other.
-    pub(crate) fn item_request(self, seq: u16, to: Target, mission_type: MavMissionType) -> Message {
+    /// How it asks for an item of an upload. ArduPlane still asks by the older message, and some clients (dronekit) answer no
+    /// other: a PX4 asks those by it that have used it themselves.
+    pub(crate) fn item_request(
+        self,
+        seq: u16,
+        to: Target,
+        mission_type: MavMissionType,
+        has_old_items: bool,
+    ) -> Message {
         let Target { system_id: target_system, component_id: target_component } = to;
-        match self {
-            Personality::ArduPlane => {
-                Message::MISSION_REQUEST(MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type })
-            }
-            Personality::Px4 | Personality::Generic => Message::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
+        if self == Personality::ArduPlane || has_old_items {
+            Message::MISSION_REQUEST(MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type })
+        } else {
+            Message::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
                 seq,
                 target_system,
                 target_component,
                 mission_type,
-            }),
+            })
         }
     }
 
@@ -203,24 +208,25 @@ impl Vehicle {
     pub(crate) fn answer_for_device(&self, command: u16, param_1: f32) -> Option<Result<(), Refusal>> {
         match self.settings.personality {
             Personality::ArduPlane => arduplane::devices::answer(command, param_1),
-            Personality::Px4 | Personality::Generic => None,
+            Personality::Px4 => px4::accepts_without_device(command).then_some(Ok(())),
+            Personality::Generic => None,
         }
     }
 
     /// Takes a SET_POSITION_TARGET_LOCAL_NED as the personality does; `false` if that is ArduPlane's way.
     pub(crate) fn take_local_target(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> bool {
         match self.settings.personality {
-            Personality::ArduPlane => return false,
+            Personality::ArduPlane => return self.arduplane_take_local_target(data),
             Personality::Px4 => self.px4_take_local_target(data),
             Personality::Generic => self.generic_take_local_target(data),
         }
         true
     }
 
-    /// Takes a SET_POSITION_TARGET_GLOBAL_INT, which an ArduPlane does not need.
+    /// Takes a SET_POSITION_TARGET_GLOBAL_INT.
     pub(crate) fn take_global_target(&mut self, data: &SET_POSITION_TARGET_GLOBAL_INT_DATA) {
         match self.settings.personality {
-            Personality::ArduPlane => {}
+            Personality::ArduPlane => self.arduplane_take_global_target(data),
             Personality::Px4 => self.px4_take_global_target(data),
             Personality::Generic => self.generic_take_global_target(data),
         }

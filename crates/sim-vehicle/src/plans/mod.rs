@@ -15,9 +15,7 @@ use crate::mission::WAYPOINT;
 use crate::parameters::Parameter;
 use crate::streams::Stream;
 use crate::{Mode, SettingsError, Vehicle, fence, mission, rally};
-use mavlink_bridge::dialect::{
-    MISSION_ACK_DATA, MISSION_COUNT_DATA, MavMissionResult, MavMissionType, MavSeverity, Message,
-};
+use mavlink_bridge::dialect::{MISSION_COUNT_DATA, MavMissionResult, MavMissionType, MavSeverity, Message};
 use mavlink_bridge::{ItemKind, PlanItem, PlanItemMessage, PlanMessage, Target};
 
 /// The plans on board, each as it was uploaded.
@@ -157,7 +155,7 @@ impl Vehicle {
 
     pub(crate) fn serve_plan(&mut self, link: usize, sender: Target, mission_type: u8, message: PlanMessage) {
         let Some(kind) = PlanKind::from_number(mission_type) else {
-            self.serve_all_plans(link, sender, message);
+            self.serve_other_plans(link, sender, mission_type, message);
             return;
         };
         match message {
@@ -181,10 +179,11 @@ impl Vehicle {
         }
     }
 
-    /// All plans at once can only be cleared.
-    fn serve_all_plans(&mut self, link: usize, to: Target, message: PlanMessage) {
+    /// All plans at once (255) can only be cleared, and of any other type there are none.
+    fn serve_other_plans(&mut self, link: usize, to: Target, mission_type: u8, message: PlanMessage) {
+        const ALL: u8 = MavMissionType::MAV_MISSION_TYPE_ALL as u8;
         let result = match message {
-            PlanMessage::ClearAll => {
+            PlanMessage::ClearAll if mission_type == ALL => {
                 let against = PlanKind::ALL.into_iter().find_map(|kind| self.against_clearing(link, to, kind));
                 if against.is_none() {
                     PlanKind::ALL.into_iter().for_each(|kind| self.empty_plan(kind));
@@ -198,7 +197,7 @@ impl Vehicle {
         if result != MavMissionResult::MAV_MISSION_ACCEPTED {
             self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal("Plan", result));
         }
-        self.send_plan_ack(link, to, MavMissionType::MAV_MISSION_TYPE_ALL, result);
+        self.send_plan_ack(link, to, mission_type, result);
         self.tell_totals();
     }
 
@@ -267,7 +266,7 @@ impl Vehicle {
     }
 
     fn acknowledge_plan(&mut self, link: usize, to: Target, kind: PlanKind, result: MavMissionResult) {
-        self.send_plan_ack(link, to, kind.mission_type(), result);
+        self.send_plan_ack(link, to, kind.mission_type() as u8, result);
         self.tell_totals();
     }
 
@@ -280,16 +279,8 @@ impl Vehicle {
         }
     }
 
-    fn send_plan_ack(&mut self, link: usize, to: Target, mission_type: MavMissionType, result: MavMissionResult) {
-        let Target { system_id: target_system, component_id: target_component } = to;
-        let ack = MISSION_ACK_DATA {
-            target_system,
-            target_component,
-            mavtype: result,
-            mission_type,
-            ..MISSION_ACK_DATA::DEFAULT
-        };
-        self.links.send(link, &Message::MISSION_ACK(ack));
+    fn send_plan_ack(&mut self, link: usize, to: Target, mission_type: u8, result: MavMissionResult) {
+        self.links.acknowledge_plan(link, mission_type, result, to);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Uploads. One replaces its plan when the last item has come and all of them make sense, and not before.
 
-use super::PlanKind;
-use crate::{Mode, PeerId, Vehicle};
+use super::{PlanKind, refusal};
+use crate::{Mode, PeerId, Personality, Vehicle};
 use mavlink_bridge::dialect::{MavMissionResult, MavSeverity};
 use mavlink_bridge::{PlanItem, Target};
 use std::time::Duration;
@@ -147,7 +147,9 @@ impl Vehicle {
         } else if seq == next {
             if let Err(result) = kind.check(seq, &item, total, self.mission.first) {
                 *self.uploads.of(kind) = None;
-                self.refuse_plan(link, sender, kind, result);
+                let text = format!("{}, item {seq} ({})", refusal(kind.name(), result), item.command);
+                self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+                self.acknowledge_plan(link, sender, kind, result);
                 return;
             }
             upload.items.push(item);
@@ -172,7 +174,11 @@ impl Vehicle {
     pub(super) fn against_clearing(&mut self, link: usize, sender: Target, kind: PlanKind) -> Option<MavMissionResult> {
         if self.is_uploaded_by_another(link, sender, kind) {
             Some(MavMissionResult::MAV_MISSION_DENIED)
-        } else if kind == PlanKind::Mission && self.mode() == Mode::Auto && self.is_armed() {
+        } else if kind == PlanKind::Mission
+            && self.mode() == Mode::Auto
+            && self.is_armed()
+            && self.settings.personality != Personality::Px4
+        {
             self.say(MavSeverity::MAV_SEVERITY_WARNING, "Mission: it is flown");
             Some(MavMissionResult::MAV_MISSION_ERROR)
         } else {
@@ -191,13 +197,19 @@ impl Vehicle {
         let _ = self.replace_plan(kind, Vec::new(), true);
     }
 
-    /// Who uploads may break it off; the answer is the one that comes when nothing does.
+    /// Who uploads may break it off. It is not answered: who goes on to another upload would take that for its answer. An
+    /// ArduPilot passes it over, and gives the upload up in the end.
     pub(super) fn hear_plan_ack(&mut self, link: usize, sender: Target, kind: PlanKind, result: u8) {
-        let is_broken_off = result != MavMissionResult::MAV_MISSION_ACCEPTED as u8;
+        // What is not supported is the message by which an item was asked for.
+        let is_broken_off = result != MavMissionResult::MAV_MISSION_ACCEPTED as u8
+            && result != MavMissionResult::MAV_MISSION_UNSUPPORTED as u8
+            && self.settings.personality != Personality::ArduPlane;
         let is_under_way = self.uploads.of(kind).as_ref().is_some_and(|upload| !upload.is_complete());
         if is_broken_off && is_under_way && !self.is_uploaded_by_another(link, sender, kind) {
             *self.uploads.of(kind) = None;
-            self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_OPERATION_CANCELLED);
+        }
+        if is_under_way && result == MavMissionResult::MAV_MISSION_UNSUPPORTED as u8 {
+            self.links.note_old_items(link, !self.links.has_old_items(link));
         }
     }
 
@@ -216,7 +228,9 @@ impl Vehicle {
 
     fn ask_for_item(&mut self, link: usize, kind: PlanKind) {
         let Some(upload) = self.uploads.of(kind) else { return };
-        let request = self.settings.personality.item_request(upload.next(), upload.writer.sender, kind.mission_type());
+        let (seq, to) = (upload.next(), upload.writer.sender);
+        let has_old_items = self.links.has_old_items(link);
+        let request = self.settings.personality.item_request(seq, to, kind.mission_type(), has_old_items);
         self.links.send(link, &request);
     }
 

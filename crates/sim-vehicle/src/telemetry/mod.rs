@@ -188,11 +188,18 @@ impl Instruments<'_> {
             MissionState::MISSION_STATE_COMPLETE
         } else if is_flown {
             MissionState::MISSION_STATE_ACTIVE
+        } else if self.personality == Personality::Px4 && self.progress.has_begun {
+            MissionState::MISSION_STATE_PAUSED
         } else {
             MissionState::MISSION_STATE_NOT_STARTED
         };
+        // Only an ArduPilot tells of an item behind the last one.
+        let last = match self.personality {
+            Personality::ArduPlane => u16::MAX,
+            Personality::Px4 | Personality::Generic => self.mission.len().saturating_sub(1),
+        };
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
-            seq: self.progress.told(),
+            seq: self.progress.told().min(last),
             // Home is not counted.
             total: self.mission.len().saturating_sub(self.mission.first),
             mission_state,

@@ -152,14 +152,18 @@ pub fn acknowledgement(messages: &[Message]) -> Option<COMMAND_ACK_DATA> {
     ack
 }
 
+/// What was said, each text whole.
 pub fn texts(messages: &[Message]) -> Vec<String> {
-    messages
-        .iter()
-        .filter_map(|message| match message {
-            Message::STATUSTEXT(text) => Some(text.text.to_str().unwrap_or_default().to_owned()),
-            _ => None,
-        })
-        .collect()
+    let mut texts: Vec<String> = Vec::new();
+    for message in messages {
+        let Message::STATUSTEXT(text) = message else { continue };
+        let words = text.text.to_str().unwrap_or_default();
+        match texts.last_mut().filter(|_| text.chunk_seq > 0) {
+            Some(begun) => begun.push_str(words),
+            None => texts.push(words.to_owned()),
+        }
+    }
+    texts
 }
 
 pub fn positions(messages: &[Message]) -> Vec<LOCAL_POSITION_NED_DATA> {
@@ -170,4 +174,15 @@ pub fn positions(messages: &[Message]) -> Vec<LOCAL_POSITION_NED_DATA> {
             _ => None,
         })
         .collect()
+}
+
+/// A MAVLink 2 frame with a payload of our own (checksum: CRC-16/MCRF4XX).
+pub fn by_hand(id: u8, crc_extra: u8, payload: &[u8]) -> Vec<u8> {
+    let mut frame = vec![0xFD, payload.len() as u8, 0, 0, 0, 255, 190, id, 0, 0];
+    frame.extend_from_slice(payload);
+    let crc = frame[1..].iter().chain([&crc_extra]).fold(0xFFFFu16, |crc, byte| {
+        (0..8).fold(crc ^ u16::from(*byte), |crc, _| if crc & 1 == 1 { (crc >> 1) ^ 0x8408 } else { crc >> 1 })
+    });
+    frame.extend_from_slice(&crc.to_le_bytes());
+    frame
 }

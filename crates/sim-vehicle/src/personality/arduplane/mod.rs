@@ -1,6 +1,7 @@
 //! ArduPlane. Its modes are those of [`Mode`](crate::Mode), and its answers those of `commands.rs`.
 
 pub(super) mod devices;
+mod targets;
 
 use crate::Mode;
 use mavlink_bridge::dialect::MavModeFlag;

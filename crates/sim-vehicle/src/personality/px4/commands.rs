@@ -7,7 +7,7 @@ use super::{MODES, SELECTABLE, mode_name};
 use crate::commands::{Command, Refusal, angle_rad, check_finite, integer};
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};
-use mavlink_bridge::dialect::{MavCmd, MavModeFlag, MavResult, MavSeverity};
+use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity};
 
 /// Param 2 of COMPONENT_ARM_DISARM: by force, to disarm in the air.
 const FORCE: f32 = 21196.0;
@@ -44,6 +44,7 @@ impl Vehicle {
             MavCmd::MAV_CMD_NAV_TAKEOFF => self.px4_take_off(command.z),
             MavCmd::MAV_CMD_MISSION_START => self.px4_start_mission(p1),
             MavCmd::MAV_CMD_DO_REPOSITION => self.px4_reposition(command),
+            MavCmd::MAV_CMD_DO_ORBIT => self.px4_orbit(command),
             MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => self.px4_change_altitude(p1),
             MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.px4_change_speed(p2),
             MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.px4_change_heading(p1, p2),
@@ -56,6 +57,7 @@ impl Vehicle {
     }
 
     fn px4_arm_or_disarm(&mut self, p1: f32, p2: f32) -> Result<(), Refusal> {
+        check_finite("Arm", &[p1])?;
         match p1.round() as i64 {
             1 if self.flight.is_armed() => Ok(()),
             1 => self.px4_arm(),
@@ -96,8 +98,8 @@ impl Vehicle {
         let can_run = match mode {
             Mode::Offboard => self.has_offboard_stream(),
             Mode::Auto => self.mission.is_flyable(),
-            // There is no remote control in the air.
-            mode if mode.is_manual() => false,
+            // Of remote controls there is only what a ground station sends.
+            mode if mode.is_manual() => self.are_sticks_held(),
             _ => true,
         };
         if self.flight.is_armed() && !can_run {
@@ -113,15 +115,12 @@ impl Vehicle {
 
     /// z: m above sea level; not a number: MIS_TAKEOFF_ALT above home.
     fn px4_take_off(&mut self, z: f32) -> Result<(), Refusal> {
-        if z.is_infinite() {
-            return Err(Refusal::denied("Takeoff: altitude is not finite"));
-        }
+        let altitude_m = self.px4_altitude_m(z)?;
         // Set already, it takes the new altitude.
         if self.mode() != Mode::Takeoff {
             self.px4_change_mode(Mode::Takeoff)?;
         }
-        if z.is_finite() {
-            let altitude_m = f64::from(z) - self.settings.frame.origin().altitude_amsl_m;
+        if !z.is_nan() {
             self.flight.take_off(altitude_m.max(self.flight.state().altitude_m));
         }
         Ok(())
@@ -147,16 +146,11 @@ impl Vehicle {
         if !changes && self.mode() != Mode::Loiter {
             return Err(Refusal::denied(format!("Reposition: mode is {}", self.mode_name())));
         }
-        let place = match command.place_e7 {
-            Some((i32::MAX, i32::MAX)) => None,
-            Some(place) => Some(place),
-            None if command.place.iter().all(|degrees| degrees.is_finite()) => Some(command.position_e7()),
-            None => None,
-        };
-        if place.is_some_and(|(lat, lon)| lat.unsigned_abs() > 900_000_000 || lon.unsigned_abs() > 1_800_000_000) {
-            return Err(Refusal::denied("Reposition: no such place"));
+        let place = place_e7("Reposition", command)?;
+        if speed_mps.is_infinite() {
+            check_finite("Reposition", &[speed_mps])?;
         }
-        let altitude_m = self.px4_altitude_m(command.z);
+        let altitude_m = self.px4_altitude_m(command.z)?;
         if place.is_some() || self.mode() != Mode::Course {
             self.set_mode(Mode::Loiter);
             let state = self.flight.state();
@@ -175,12 +169,30 @@ impl Vehicle {
         Ok(())
     }
 
+    /// DO_ORBIT, which a fixed wing flies as Hold. Param 1: radius in m, below zero anticlockwise. x, y: a place, or where it is.
+    /// z: m above sea level, whatever the frame.
+    fn px4_orbit(&mut self, command: &Command) -> Result<(), Refusal> {
+        let radius_m = match command.params[0] {
+            radius_m if radius_m.is_infinite() => return Err(Refusal::denied("Orbit: radius is not finite")),
+            radius_m if radius_m.is_nan() || radius_m == 0.0 => self.flight.tuning().loiter_radius_m,
+            radius_m => f64::from(radius_m),
+        };
+        let place = place_e7("Orbit", command)?;
+        let altitude_m = self.px4_altitude_m(command.z)?;
+        self.px4_change_mode(Mode::Loiter)?;
+        let state = self.flight.state();
+        let at = place.map_or((state.x_m, state.y_m), |(lat, lon)| self.to_local(lat, lon));
+        self.flight.reposition(at, radius_m);
+        self.flight.set_altitude(altitude_m, f64::INFINITY);
+        Ok(())
+    }
+
     /// Param 1: m above sea level; param 2, a frame, is not read.
     fn px4_change_altitude(&mut self, z: f32) -> Result<(), Refusal> {
         if !matches!(self.mode(), Mode::Loiter | Mode::Course) {
             return Err(rejected(format!("Altitude: mode is {}", self.mode_name())));
         }
-        let altitude_m = self.px4_altitude_m(z);
+        let altitude_m = self.px4_altitude_m(z)?;
         self.flight.set_altitude(altitude_m, f64::INFINITY);
         Ok(())
     }
@@ -215,18 +227,36 @@ impl Vehicle {
     }
 
     /// An altitude above sea level as one above the origin, m; the present one for what is no number.
-    fn px4_altitude_m(&self, z: f32) -> f64 {
-        if z.is_finite() {
-            f64::from(z) - self.settings.frame.origin().altitude_amsl_m
-        } else {
-            self.flight.state().altitude_m
+    fn px4_altitude_m(&self, z: f32) -> Result<f64, Refusal> {
+        if z.is_nan() {
+            return Ok(self.flight.state().altitude_m);
         }
+        self.altitude_m("Altitude", z, MavFrame::MAV_FRAME_GLOBAL)
     }
 
     /// Says what PX4 says of a mode that it changes to by itself.
     pub(super) fn px4_announce(&mut self, text: &str) {
         self.say(MavSeverity::MAV_SEVERITY_CRITICAL, text);
     }
+}
+
+/// Commands for gimbals that a PX4 accepts without one (`navigator_main.cpp`): regions of interest.
+pub(in crate::personality) fn accepts_without_device(command: u16) -> bool {
+    matches!(command, 195 | 197 | 201)
+}
+
+/// A place that a command may leave out, 1e-7 degrees.
+fn place_e7(name: &str, command: &Command) -> Result<Option<(i32, i32)>, Refusal> {
+    let place = match command.place_e7 {
+        Some((i32::MAX, i32::MAX)) => None,
+        Some(place) => Some(place),
+        None if command.place.iter().all(|degrees| degrees.is_finite()) => Some(command.position_e7()),
+        None => None,
+    };
+    if place.is_some_and(|(lat, lon)| lat.unsigned_abs() > 900_000_000 || lon.unsigned_abs() > 1_800_000_000) {
+        return Err(Refusal::denied(format!("{name}: no such place")));
+    }
+    Ok(place)
 }
 
 /// The modes in which a PX4 is not armed.

@@ -4,7 +4,7 @@
 use super::commands::ends_a_flight;
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};
-use mavlink_bridge::dialect::MavType;
+use mavlink_bridge::dialect::{MavSeverity, MavType};
 use std::time::Duration;
 
 /// For want of whom the vehicle flies as it does.
@@ -14,8 +14,10 @@ pub(crate) enum Failsafe {
     Offboard,
     /// Of the ground station: it holds until this vehicle time, and then does what NAV_DLL_ACT says.
     GroundHold { until: Duration },
-    /// Of the ground station: it stays so until somebody sets a mode.
+    /// Of the ground station.
     Ground,
+    /// Of a hand on the sticks: it stays so until somebody sets a mode.
+    Sticks,
 }
 
 impl Failsafe {
@@ -43,6 +45,7 @@ impl Vehicle {
         self.px4.was_armed = true;
         self.hold_after_take_off();
         self.check_offboard_stream();
+        self.check_sticks();
         self.check_data_link();
         self.disarm_idle();
     }
@@ -77,6 +80,14 @@ impl Vehicle {
         self.begin_px4_failsafe(Failsafe::Offboard, mode, "Failsafe activated: no offboard signal");
     }
 
+    /// In the air a mode of the sticks goes on only while somebody holds them: else it returns (NAV_RCL_ACT).
+    fn check_sticks(&mut self) {
+        if self.mode().is_manual() && self.flight.is_flying() && !self.flight.is_on_ground() && !self.are_sticks_held()
+        {
+            self.begin_px4_failsafe(Failsafe::Sticks, Mode::Rtl, "Failsafe activated: manual control lost");
+        }
+    }
+
     /// First Hold for COM_FAIL_ACT_T, then what NAV_DLL_ACT says.
     fn check_data_link(&mut self) {
         let action = self.parameters.get(Parameter::DataLinkLossAction) as u8;
@@ -86,11 +97,15 @@ impl Vehicle {
             3 => Mode::Land,
             _ => return,
         };
+        let is_for_ground = matches!(self.px4.failsafe, Some(Failsafe::GroundHold { .. } | Failsafe::Ground));
+        if is_for_ground && self.is_ground_heard() {
+            // It stays in the mode that it is in.
+            self.px4.failsafe = None;
+            self.say(MavSeverity::MAV_SEVERITY_INFO, "GCS connection regained");
+            return;
+        }
         if let Some(Failsafe::GroundHold { until }) = self.px4.failsafe {
-            if self.is_ground_heard() {
-                // It stays in Hold.
-                self.px4.failsafe = None;
-            } else if self.time >= until {
+            if self.time >= until {
                 self.begin_px4_failsafe(Failsafe::Ground, mode, "Failsafe activated: GCS connection lost");
             }
             return;

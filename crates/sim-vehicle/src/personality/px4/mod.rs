@@ -6,7 +6,7 @@ mod failsafe;
 mod offboard;
 mod parameters;
 
-pub(super) use commands::commanded_mode;
+pub(super) use commands::{accepts_without_device, commanded_mode};
 pub(crate) use failsafe::Failsafe;
 pub(super) use parameters::{ABSENT_PARAMETERS, OWN_PARAMETERS, parameter};
 

@@ -57,6 +57,7 @@ impl Vehicle {
         self.px4.setpoint_heard = Some(self.time);
         if self.px4.failsafe.is_some_and(Failsafe::ends_with_setpoints) {
             self.set_mode(Mode::Offboard);
+            self.say(MavSeverity::MAV_SEVERITY_INFO, "Offboard signal regained");
         }
         if self.mode() != Mode::Offboard {
             return;

@@ -27,6 +27,7 @@ pub(in crate::personality) const ABSENT_PARAMETERS: &[Parameter] = &[
     Parameter::RateExtra3,
     Parameter::RtlRadius,
     Parameter::ArmingCheck,
+    Parameter::GuidedTimeout,
     Parameter::GroundFailsafe,
     Parameter::LongFailsafeAction,
     Parameter::LongFailsafeTimeout,
@@ -43,6 +44,7 @@ const NAMES: &[(Parameter, &str, MavParamType)] = &[
     (Parameter::RtlAltitude, "RTL_RETURN_ALT", REAL),
     (Parameter::TakeoffAltitude, "MIS_TAKEOFF_ALT", REAL),
     (Parameter::DisarmDelay, "COM_DISARM_LAND", REAL),
+    (Parameter::FenceAction, "GF_ACTION", INT32),
 ];
 
 /// PX4's name and type of a parameter.
