@@ -258,6 +258,8 @@ def every_command(talk):
         mavlink.MAV_CMD_PREFLIGHT_CALIBRATION,
         mavlink.MAV_CMD_DO_SET_HOME,
         mavlink.MAV_CMD_REQUEST_MESSAGE,
+        # It depends on whether scripts were built in.
+        mavlink.MAV_CMD_DO_FOLLOW,
     }
     for number in sorted(mavlink.enums["MAV_CMD"]):
         name = mavlink.enums["MAV_CMD"][number].name.removeprefix("MAV_CMD_")

@@ -1,7 +1,7 @@
 """Arming and disarming."""
 
 import pytest
-from ground import ACCEPTED, FAILED, RTL
+from ground import ACCEPTED, FAILED, GUIDED, MANUAL, RTL
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 FORCE = 21196
@@ -70,3 +70,23 @@ def test_in_rtl_it_is_not_armed(waiting):
     assert not status.onboard_control_sensors_health & mavlink.MAV_SYS_STATUS_PREARM_CHECK
     assert arm(waiting, 1, FORCE) == ACCEPTED
     assert waiting.command_long(mavlink.MAV_CMD_RUN_PREARM_CHECKS) == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
+
+
+def test_a_reboot_starts_anew_where_it_stands_and_keeps_parameters(start_vehicles, scenario):
+    craft = start_vehicles(scenario(on_ground=True), "--speed", 5).connect()[0]
+    reboot = mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
+    craft.set_parameter("WP_LOITER_RAD", 75)
+    assert craft.set_mode(GUIDED) == ACCEPTED
+    assert craft.command_long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == ACCEPTED
+    assert craft.command_long(reboot, 1) == FAILED
+    assert craft.command_long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0) == ACCEPTED
+    assert craft.command_long(reboot, 1) == ACCEPTED
+    craft.heartbeat()
+    assert craft.mode() == MANUAL
+    craft.link.mav.param_request_read_send(craft.system, craft.component, b"WP_LOITER_RAD", -1)
+    assert craft.wait(["PARAM_VALUE"], lambda value: value.param_id == "WP_LOITER_RAD").param_value == 75
+
+
+def test_what_is_too_long_for_one_message_is_said_whole(craft):
+    assert craft.command_long(mavlink.MAV_CMD_NAV_TAKEOFF) == FAILED
+    assert craft.text().text == "Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF"

@@ -100,6 +100,20 @@ def test_a_group_behind_one_port_is_told_apart_by_system_ids(start_vehicles):
     link.close()
 
 
+def test_no_two_of_a_group_get_one_system_id(start_vehicles):
+    rows = start_vehicles("--count", 2, "--per-port", 2).rows
+    link = connection(rows[0]["address"])
+    answers = []
+    for number in (2, 9):
+        link.mav.param_set_send(1, 1, b"MAV_SYSID", number, mavlink.MAV_PARAM_TYPE_INT16)
+        is_it = lambda message: message.get_srcSystem() == 1 and message.param_id == "MAV_SYSID"  # noqa: E731
+        while not is_it(answer := link.recv_match(type="PARAM_VALUE", blocking=True, timeout=10)):
+            pass
+        answers.append(answer.param_value)
+    assert answers == [1, 9]
+    link.close()
+
+
 def test_a_swarm_file_says_where_they_start(start_vehicles, program, tmp_path):
     swarm = tmp_path / "swarm.txt"
     swarm.write_text("#instance=East,North,Up,Heading\n1=20,30,0,90\n2=40,0,5,45\n")

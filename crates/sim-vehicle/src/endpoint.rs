@@ -1,7 +1,7 @@
 //! One port and the vehicles behind it.
 
 use crate::hosting::{Advance, Clock, HostError, Observer, RealTime};
-use crate::parameters::file;
+use crate::parameters::{SystemIds, file};
 use crate::services::target_system;
 use crate::{Vehicle, VehicleCounters, plans};
 use flight_model::State;
@@ -48,13 +48,17 @@ pub(crate) async fn stopped(stop: &mut watch::Receiver<bool>) {
 const DATAGRAMS_IN_A_ROW: usize = 64;
 
 impl Endpoint {
-    pub fn new(link: UdpLink, vehicles: Vec<Vehicle>, first: usize) -> Result<Self, HostError> {
+    pub fn new(link: UdpLink, mut vehicles: Vec<Vehicle>, first: usize) -> Result<Self, HostError> {
         let mut by_system = HashMap::new();
         for (index, vehicle) in vehicles.iter().enumerate() {
             let system_id = vehicle.settings().system_id;
             if let Some(other) = by_system.insert(system_id, index) {
                 return Err(HostError::DuplicateSystemId { first: first + other, second: first + index, system_id });
             }
+        }
+        let ids = Arc::new(SystemIds::new(vehicles.iter().map(|vehicle| vehicle.settings().system_id).collect()));
+        for (place, vehicle) in vehicles.iter_mut().enumerate() {
+            vehicle.share_port(Arc::clone(&ids), place);
         }
         Ok(Self { link, vehicles, first, state_folder: None, frames: Counters::default(), track: Vec::new() })
     }

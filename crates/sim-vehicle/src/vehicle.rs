@@ -7,7 +7,7 @@ use crate::life::Life;
 use crate::links::Links;
 use crate::lockstep::Lockstep;
 use crate::mission::{Mission, Progress};
-use crate::parameters::{Listings, Pace, Parameter, ParameterRefused, Parameters};
+use crate::parameters::{Listings, Pace, Parameter, ParameterRefused, Parameters, SystemIds};
 use crate::personality::px4;
 use crate::plans::{PlanKind, Uploads};
 use crate::rally::Rally;
@@ -64,6 +64,9 @@ pub struct Vehicle {
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
     pub(crate) pace: Arc<Pace>,
+    /// The system ids behind its port, and its place among them.
+    pub(crate) ids: Arc<SystemIds>,
+    pub(crate) place: usize,
     pub(crate) mission: Mission,
     pub(crate) progress: Progress,
     pub(crate) fence: Fence,
@@ -123,6 +126,8 @@ impl Vehicle {
             parameters_changed: false,
             listings: Listings::default(),
             pace: Arc::default(),
+            ids: Arc::default(),
+            place: 0,
             mission: Mission::new(settings.personality.first_mission_item()),
             progress: Progress::default(),
             fence: Fence::default(),
@@ -170,6 +175,11 @@ impl Vehicle {
     /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
     pub(crate) fn keep_pace(&mut self, pace: Arc<Pace>) {
         self.pace = pace;
+    }
+
+    /// Tells a vehicle whom it shares a port with.
+    pub(crate) fn share_port(&mut self, ids: Arc<SystemIds>, place: usize) {
+        (self.ids, self.place) = (ids, place);
     }
 
     /// Takes a datagram that came from a peer at host time `now`. What cannot be read is counted and has no effect.

@@ -1,7 +1,7 @@
 //! Landing sequences of a mission: where they start, how RTL and commands get there, and going around.
 
-use super::auto::Leg;
 use super::items::{CHANGE_ALTITUDE, GO_AROUND, LAND, LAND_START, RETURN_PATH_START, WAYPOINT, has_place};
+use super::legs::Leg;
 use crate::commands::Refusal;
 use crate::parameters::Parameter;
 use crate::{Mode, Vehicle};

@@ -3,6 +3,7 @@
 mod auto;
 mod items;
 mod landing;
+mod legs;
 
 pub(crate) use auto::Progress;
 pub(crate) use items::{LAND_START, RETURN_PATH_START, WAYPOINT, check, has_heading};

@@ -27,6 +27,7 @@ pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
             ParameterRefused::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
             ParameterRefused::ReadOnly(_) => "left out: it is only read".to_owned(),
             ParameterRefused::Type(_) | ParameterRefused::NotFinite(_) => "a finite number".to_owned(),
+            ParameterRefused::SystemIdTaken(_) => "a number that no other vehicle of the port has".to_owned(),
             ParameterRefused::Range { least, most, .. } => format!("a number from {least} to {most}"),
         };
         Some(ParameterFault { name: name.to_owned(), value, wanted })

@@ -4,11 +4,13 @@
 
 mod check;
 pub(crate) mod file;
+mod ids;
 mod pace;
 mod service;
 mod table;
 
 pub use check::{ParameterFault, check_parameters};
+pub(crate) use ids::SystemIds;
 pub(crate) use pace::Pace;
 pub(crate) use service::Listings;
 pub(crate) use table::{Effect, Parameter};
@@ -26,6 +28,8 @@ pub(crate) enum ParameterRefused {
     ReadOnly(&'static str),
     #[error("{0} is of another type")]
     Type(&'static str),
+    #[error("MAV_SYSID {0} is another vehicle's on this port")]
+    SystemIdTaken(u8),
     #[error("{0} is not a finite number")]
     NotFinite(&'static str),
     #[error("{name} {value} is outside [{least}, {most}]")]

@@ -97,6 +97,7 @@ impl Vehicle {
                 // In range, so it fits.
                 self.settings.system_id = value as u8;
                 self.links.set_system_id(self.settings.system_id);
+                self.ids.set(self.place, self.settings.system_id);
             }
             Effect::Rates(streams) => self.set_rates(streams, value),
             Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
@@ -118,6 +119,7 @@ impl Vehicle {
     ) {
         // Everybody hears of a change, from the system that they know.
         let before = self.settings.system_id;
+        let value = value.and_then(|value| self.check_system_id(parameter, value));
         match value.and_then(|value| self.set_parameter(parameter, value)) {
             Ok(()) => {
                 let after = self.settings.system_id;
@@ -135,6 +137,15 @@ impl Vehicle {
                 self.send_parameter(link, parameter, None);
             }
         }
+    }
+
+    /// Another vehicle's system id is not taken, if others stand behind the same port.
+    fn check_system_id(&self, parameter: Parameter, value: f32) -> Result<f32, ParameterRefused> {
+        let id = value as u8;
+        if parameter == Parameter::SystemId && f32::from(id) == value.trunc() && self.ids.is_taken(self.place, id) {
+            return Err(ParameterRefused::SystemIdTaken(id));
+        }
+        Ok(value)
     }
 
     fn set_rates(&mut self, streams: &[Stream], rate_hz: f32) {
