@@ -4,6 +4,7 @@
 
 mod check;
 pub(crate) mod file;
+mod hash;
 mod ids;
 mod pace;
 mod service;

@@ -1,10 +1,11 @@
 //! The parameter protocol: what is asked, and how it is answered.
 
+use super::hash;
 use super::pace::PARAMETERS_AT_ONCE;
 use super::{Effect, Parameter, ParameterRefused};
 use crate::streams::Stream;
-use crate::{PeerId, Vehicle};
-use mavlink_bridge::dialect::{MavParamError, MavSeverity, Message};
+use crate::{PeerId, Personality, Vehicle};
+use mavlink_bridge::dialect::{MavParamError, MavParamType, MavSeverity, Message};
 use mavlink_bridge::{ParameterRequest, Target, parameter_error, parameter_value};
 use std::time::Duration;
 
@@ -55,6 +56,11 @@ impl Vehicle {
                         );
                     }
                 }
+            }
+            ParameterRequest::ReadName(name) if name == hash::NAME && self.settings.personality == Personality::Px4 => {
+                let (hash, count) = (f32::from_bits(hash::of(&self.parameters)), self.parameters.list().len() as u16);
+                let value = parameter_value(hash::NAME, MavParamType::MAV_PARAM_TYPE_UINT32, hash, count, None);
+                self.links.send(link, &value);
             }
             ParameterRequest::ReadName(name) => match self.parameters.named(name) {
                 Some(parameter) => self.send_parameter(link, parameter, None),
