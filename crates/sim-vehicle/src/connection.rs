@@ -5,7 +5,7 @@
 #![allow(deprecated)]
 
 use crate::Vehicle;
-use crate::streams::Stream;
+use crate::streams::{Stream, groups};
 use mavlink_bridge::Target;
 use mavlink_bridge::dialect::{
     FILE_TRANSFER_PROTOCOL_DATA, LOG_ENTRY_DATA, MavDataStream, Message, REQUEST_DATA_STREAM_DATA,
@@ -21,7 +21,7 @@ impl Vehicle {
             _ => return,
         };
         let interval = (rate_hz > 0.0).then(|| Duration::from_secs_f64(1.0 / rate_hz));
-        for &stream in streams_of(data.req_stream_id) {
+        for &stream in groups_of(data.req_stream_id).iter().copied().flatten() {
             self.links.set_interval(link, stream, interval, self.time);
         }
     }
@@ -50,44 +50,17 @@ impl Vehicle {
     }
 }
 
-/// The messages of a group that the vehicle has.
-fn streams_of(group: MavDataStream) -> &'static [Stream] {
+/// The groups of messages that a request is for.
+fn groups_of(group: MavDataStream) -> &'static [&'static [Stream]] {
     match group {
-        MavDataStream::MAV_DATA_STREAM_ALL => &[
-            Stream::SysStatus,
-            Stream::GpsRawInt,
-            Stream::MissionCurrent,
-            Stream::FenceStatus,
-            Stream::NavControllerOutput,
-            Stream::PositionTargetGlobalInt,
-            Stream::GlobalPositionInt,
-            Stream::LocalPositionNed,
-            Stream::Attitude,
-            Stream::VfrHud,
-            Stream::SystemTime,
-            Stream::BatteryStatus,
-            Stream::Wind,
-            Stream::EkfStatusReport,
-            Stream::RawImu,
-            Stream::ScaledPressure,
-            Stream::RcChannels,
-        ],
-        MavDataStream::MAV_DATA_STREAM_RAW_SENSORS => &[Stream::RawImu, Stream::ScaledPressure],
-        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => &[
-            Stream::SysStatus,
-            Stream::GpsRawInt,
-            Stream::MissionCurrent,
-            Stream::FenceStatus,
-            Stream::NavControllerOutput,
-            Stream::PositionTargetGlobalInt,
-        ],
-        MavDataStream::MAV_DATA_STREAM_RC_CHANNELS => &[Stream::RcChannels],
-        MavDataStream::MAV_DATA_STREAM_POSITION => &[Stream::GlobalPositionInt, Stream::LocalPositionNed],
-        MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[Stream::Attitude],
-        MavDataStream::MAV_DATA_STREAM_EXTRA2 => &[Stream::VfrHud],
-        MavDataStream::MAV_DATA_STREAM_EXTRA3 => {
-            &[Stream::SystemTime, Stream::BatteryStatus, Stream::Wind, Stream::EkfStatusReport]
-        }
+        MavDataStream::MAV_DATA_STREAM_ALL => groups::ALL,
+        MavDataStream::MAV_DATA_STREAM_RAW_SENSORS => &[groups::RAW_SENSORS],
+        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => &[groups::EXTENDED_STATUS],
+        MavDataStream::MAV_DATA_STREAM_RC_CHANNELS => &[groups::RC_CHANNELS],
+        MavDataStream::MAV_DATA_STREAM_POSITION => &[groups::POSITION],
+        MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[groups::EXTRA1],
+        MavDataStream::MAV_DATA_STREAM_EXTRA2 => &[groups::EXTRA2],
+        MavDataStream::MAV_DATA_STREAM_EXTRA3 => &[groups::EXTRA3],
         _ => &[],
     }
 }

@@ -169,6 +169,27 @@ impl Stream {
     }
 }
 
+/// ArduPlane's groups, by which REQUEST_DATA_STREAM and the MAV1_ parameters set rates.
+pub(crate) mod groups {
+    use super::Stream;
+
+    pub const RAW_SENSORS: &[Stream] = &[Stream::RawImu, Stream::ScaledPressure];
+    pub const EXTENDED_STATUS: &[Stream] = &[
+        Stream::SysStatus,
+        Stream::GpsRawInt,
+        Stream::MissionCurrent,
+        Stream::FenceStatus,
+        Stream::NavControllerOutput,
+        Stream::PositionTargetGlobalInt,
+    ];
+    pub const RC_CHANNELS: &[Stream] = &[Stream::RcChannels];
+    pub const POSITION: &[Stream] = &[Stream::LocalPositionNed, Stream::GlobalPositionInt];
+    pub const EXTRA1: &[Stream] = &[Stream::Attitude];
+    pub const EXTRA2: &[Stream] = &[Stream::VfrHud];
+    pub const EXTRA3: &[Stream] = &[Stream::SystemTime, Stream::Wind, Stream::BatteryStatus, Stream::EkfStatusReport];
+    pub const ALL: &[&[Stream]] = &[RAW_SENSORS, EXTENDED_STATUS, RC_CHANNELS, POSITION, EXTRA1, EXTRA2, EXTRA3];
+}
+
 /// When each stream of one link is due next. A stream is due at whole multiples of its interval, without drift.
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule {

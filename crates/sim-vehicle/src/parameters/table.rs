@@ -2,7 +2,7 @@
 
 use super::Parameters;
 use crate::flight::TAKEOFF_ALTITUDE_M;
-use crate::streams::Stream;
+use crate::streams::{Stream, groups};
 use crate::{Personality, VehicleSettings};
 use mavlink_bridge::dialect::MavParamType;
 use mavlink_bridge::dialect::MavParamType::{
@@ -70,26 +70,19 @@ parameters! {
     GroundSystemId: "MAV_GCS_SYSID", INT16, |_| 255.0, |_| (1.0, 255.0), Effect::LookedUp;
 
     RateRawSensors: "MAV1_RAW_SENS", INT16, |s| s.rates.raw_sensors_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[Stream::RawImu, Stream::ScaledPressure]);
+        Effect::Rates(groups::RAW_SENSORS);
     RateExtendedStatus: "MAV1_EXT_STAT", INT16, |s| s.rates.sys_status_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[
-            Stream::SysStatus,
-            Stream::GpsRawInt,
-            Stream::MissionCurrent,
-            Stream::FenceStatus,
-            Stream::NavControllerOutput,
-            Stream::PositionTargetGlobalInt,
-        ]);
+        Effect::Rates(groups::EXTENDED_STATUS);
     // Two messages are behind it, which the settings can tell apart.
     RatePosition: "MAV1_POSITION", INT16,
         |s| s.rates.local_position_ned_hz.max(s.rates.global_position_int_hz).round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[Stream::LocalPositionNed, Stream::GlobalPositionInt]);
+        Effect::Rates(groups::POSITION);
     RateExtra1: "MAV1_EXTRA1", INT16, |s| s.rates.attitude_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[Stream::Attitude]);
+        Effect::Rates(groups::EXTRA1);
     RateExtra2: "MAV1_EXTRA2", INT16, |s| s.rates.vfr_hud_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[Stream::VfrHud]);
+        Effect::Rates(groups::EXTRA2);
     RateExtra3: "MAV1_EXTRA3", INT16, |s| s.rates.system_time_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(&[Stream::SystemTime, Stream::Wind, Stream::BatteryStatus, Stream::EkfStatusReport]);
+        Effect::Rates(groups::EXTRA3);
 
     AirspeedCruise: "AIRSPEED_CRUISE", REAL, |s| s.start.speed_mps as f32,
         |p| (p.get(Parameter::AirspeedMin), p.get(Parameter::AirspeedMax)), Effect::Tuning;
