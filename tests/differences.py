@@ -26,11 +26,10 @@ KNOWN = {
     "NAV_TAKEOFF is FAILED by COMMAND_INT too, whatever its frame.": {
         "every command": ["NAV_TAKEOFF"],
     },
-    "Some warnings of ArduPlane are not there: of older messages, of terrain, and of a failsafe that goes on.": {
+    "Some warnings of ArduPlane are not there: of older messages and of terrain.": {
         "every command": ["one that nobody knows"],
         "missions": ["one item, by the older message"],
-        "mission items": ["with DO_RETURN_PATH_START", "in frame GLOBAL_TERRAIN_ALT"],
-        "ground station lost": ["to GUIDED while nobody is heard"],
+        "mission items": ["in frame GLOBAL_TERRAIN_ALT"],
     },
     "MISSION_CURRENT is the item that is flown, never home, and every item that is flown is reached once, NAV_LAND on the ground too.": {
         "missions": ["current is 0", "nothing at all", "clear"],

@@ -5,7 +5,7 @@ use crate::flight::Event;
 use crate::life::GpsSettings;
 use crate::mission::{LAND_START, RETURN_PATH_START};
 use crate::parameters::Parameter;
-use crate::{Mode, Vehicle};
+use crate::{Mode, Personality, Vehicle};
 use mavlink_bridge::dialect::{MavResult, MavSeverity};
 use std::time::Duration;
 
@@ -30,7 +30,11 @@ impl Vehicle {
             }
             let is_forced = p2 == FORCE || p2 == FORCE_ARMING;
             if let Some(reason) = self.against_arming().filter(|_| !is_forced) {
-                return Err(Refusal::failed(format!("Arm: {reason}")));
+                let severity = MavSeverity::MAV_SEVERITY_CRITICAL;
+                return Err(Refusal { severity, ..Refusal::failed(format!("Arm: {reason}")) });
+            }
+            if self.parameters.get(Parameter::ArmingCheck) == 0.0 {
+                self.say(MavSeverity::MAV_SEVERITY_WARNING, "Warning: Arming Checks Disabled");
             }
             self.arm();
         } else if p1 == 0.0 {
@@ -81,6 +85,23 @@ impl Vehicle {
             let battery = if is_checked(CHECK_BATTERY) { self.battery_forbids_arming() } else { None };
             battery.or_else(|| self.fence_forbids_arming())
         }
+    }
+
+    /// An ArduPlane says unasked what stands against arming, at once and then every half minute.
+    pub(crate) fn tell_what_is_against_arming(&mut self) {
+        const AGAIN_AFTER: Duration = Duration::from_secs(30);
+        // Often enough: nobody looks at it between two heartbeats.
+        let is_due = self.time.subsec_nanos() == 0 && self.settings.personality == Personality::ArduPlane;
+        if !is_due || self.flight.is_armed() {
+            return;
+        }
+        let reason = self.against_arming();
+        let is_new = reason != self.arming_reason;
+        if let Some(text) = reason.as_ref().filter(|_| is_new || self.time >= self.arming_reason_due) {
+            self.arming_reason_due = self.time + AGAIN_AFTER;
+            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &format!("PreArm: {text}"));
+        }
+        self.arming_reason = reason;
     }
 
     /// Arms it. On the ground home is where it stands, unless somebody has set another.

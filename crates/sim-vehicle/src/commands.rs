@@ -35,8 +35,8 @@ pub(crate) struct Refusal {
     pub result: MavResult,
     /// For a STATUSTEXT.
     pub reason: Option<String>,
-    /// Whether a ground station need not read it aloud: it asks every vehicle whether it has this and that.
-    pub is_quiet: bool,
+    /// How loud the reason is said.
+    pub severity: MavSeverity,
 }
 
 /// Altitudes that are no more than that, m either way, can be stored by ArduPilot.
@@ -113,12 +113,12 @@ impl Command {
 
 impl Refusal {
     pub fn new(result: MavResult, reason: impl Into<String>) -> Self {
-        Self { result, reason: Some(reason.into()), is_quiet: false }
+        Self { result, reason: Some(reason.into()), severity: MavSeverity::MAV_SEVERITY_WARNING }
     }
 
-    /// The same, as no warning.
+    /// The same, as no warning: ground stations ask every vehicle whether it has this and that, and read warnings aloud.
     pub fn quietly(self) -> Self {
-        Self { is_quiet: true, ..self }
+        Self { severity: MavSeverity::MAV_SEVERITY_INFO, ..self }
     }
 
     pub fn denied(reason: impl Into<String>) -> Self {
@@ -130,7 +130,7 @@ impl Refusal {
     }
 
     pub fn unsupported() -> Self {
-        Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None, is_quiet: true }
+        Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None, severity: MavSeverity::MAV_SEVERITY_INFO }
     }
 }
 
@@ -210,6 +210,7 @@ impl Vehicle {
     pub(crate) fn execute_by_number(&mut self, raw: &RawCommand) -> Result<(), Refusal> {
         const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
         const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
+        const DO_SEND_BANNER: u16 = 42_428;
         const BATTERY_RESET: u16 = 42_651;
         let [p1, p2, ..] = raw.params;
         match raw.command {
@@ -218,6 +219,10 @@ impl Vehicle {
                 Err(Refusal::denied("Altitude: unknown frame"))
             }
             DO_REPOSITION => Err(Refusal::denied("Reposition: unknown frame")),
+            DO_SEND_BANNER if self.settings.personality != Personality::Px4 => {
+                self.send_banner();
+                Ok(())
+            }
             BATTERY_RESET if self.settings.personality != Personality::Px4 => self.reset_battery([p1, p2]),
             number => self.answer_for_device(number, p1).unwrap_or(Err(Refusal::unsupported())),
         }
@@ -245,7 +250,7 @@ impl Vehicle {
             return Err(Refusal::failed(reason));
         }
         if has_nothing_to_fly {
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, "Auto: no mission, RTL");
+            self.say(MavSeverity::MAV_SEVERITY_INFO, "Mission complete, changing mode to RTL");
             self.set_mode(Mode::Rtl);
         } else {
             self.set_mode(mode);

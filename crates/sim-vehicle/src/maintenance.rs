@@ -40,6 +40,13 @@ impl Vehicle {
         Ok(())
     }
 
+    /// DO_SEND_BANNER: who it is, in words.
+    pub(crate) fn send_banner(&mut self) {
+        let [major, minor, patch] = self.settings.personality.version();
+        let name = self.settings.personality.product();
+        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{name} V{major}.{minor}.{patch}"));
+    }
+
     /// PREFLIGHT_REBOOT_SHUTDOWN. Param 1: 1 to start anew, or 3, for a boot loader that there is none of.
     pub(crate) fn reboot(&mut self, p1: f32) -> Result<(), Refusal> {
         let is_px4 = self.settings.personality == Personality::Px4;
@@ -76,6 +83,6 @@ impl Vehicle {
         self.reconfigure_fence(Parameter::FenceEnable);
         self.links.restart(self.time);
         (0..self.links.len()).for_each(|link| self.announce(link));
-        self.say(MavSeverity::MAV_SEVERITY_INFO, "Started anew");
+        self.send_banner();
     }
 }

@@ -59,6 +59,9 @@ impl Vehicle {
             Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
             Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
             Ok(Message::SET_POSITION_TARGET_GLOBAL_INT(data)) => self.take_global_target(data),
+            Ok(Message::SET_ATTITUDE_TARGET(_)) if self.settings.personality == Personality::Px4 => {
+                self.px4_take_attitude();
+            }
             Ok(Message::RC_CHANNELS_OVERRIDE(data)) => self.override_channels(sender.system_id, data),
             Ok(Message::MANUAL_CONTROL(data)) => self.control_manually(sender.system_id, data),
             Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
@@ -135,10 +138,8 @@ impl Vehicle {
             }
             Err(refusal) => {
                 self.counters.commands_refused += 1;
-                let severity =
-                    if refusal.is_quiet { MavSeverity::MAV_SEVERITY_INFO } else { MavSeverity::MAV_SEVERITY_WARNING };
                 if let Some(reason) = &refusal.reason {
-                    self.say(severity, reason);
+                    self.say(refusal.severity, reason);
                 }
                 refusal.result
             }

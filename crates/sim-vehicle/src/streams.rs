@@ -117,6 +117,8 @@ impl Stream {
     /// one are a group of ArduPlane's.
     fn default_rate_hz(self, rates: &mut TelemetryRates, personality: Personality) -> Option<&mut f64> {
         match self {
+            // Of the sticks an ArduPlane tells unasked.
+            Stream::RcChannels if personality == Personality::ArduPlane => Some(&mut rates.sys_status_hz),
             // What a PX4 sends beyond the others.
             Stream::AttitudeQuaternion if personality == Personality::Px4 => Some(&mut rates.attitude_hz),
             Stream::Altitude | Stream::WindCov | Stream::GpsGlobalOrigin if personality == Personality::Px4 => {

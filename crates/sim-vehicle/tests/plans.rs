@@ -293,7 +293,7 @@ fn outside_its_fence_it_does_not_arm() {
     let arm = common::long(TARGET, MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]);
     let refused = client.ask(&arm);
     assert_eq!(common::acknowledgement(&refused).unwrap().result, MavResult::MAV_RESULT_FAILED);
-    assert_eq!(texts(&refused), ["Arm: Vehicle breaching Polygon fence"]);
+    assert_eq!(texts(&refused), ["PreArm: Vehicle breaching Polygon fence", "Arm: Vehicle breaching Polygon fence"]);
     set(&mut client, "FENCE_ENABLE", 0.0);
     assert_eq!(client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]), ACCEPTED);
 }

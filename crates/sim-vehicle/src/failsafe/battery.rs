@@ -82,7 +82,12 @@ impl Vehicle {
         // ArduPlane lands by the mission's landing sequence, and without one it returns.
         match self.parameters.get(action) {
             RETURN => self.set_mode(Mode::Rtl),
-            LAND if !self.flight.is_landing() && self.start_landing().is_err() => self.set_mode(Mode::Rtl),
+            LAND if !self.flight.is_landing() => {
+                if let Err(refusal) = self.start_landing() {
+                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal.reason.unwrap_or_default());
+                    self.set_mode(Mode::Rtl);
+                }
+            }
             _ => {}
         }
     }

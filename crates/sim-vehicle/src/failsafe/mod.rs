@@ -110,7 +110,7 @@ impl Vehicle {
             return;
         }
         let silent = |heard: Duration| self.time.saturating_sub(heard).as_secs_f32() > timeout_s;
-        let is_lost = self.flight.is_armed() && self.failsafes.ground_heard.is_some_and(silent);
+        let is_lost = self.failsafes.ground_heard.is_some_and(silent);
         if !is_lost || self.failsafes.ground_lost {
             return;
         }

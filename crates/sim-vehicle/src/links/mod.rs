@@ -34,6 +34,8 @@ pub(crate) struct Links {
     risked: u64,
     /// The number of the last text that did not fit into one message.
     long_texts: u16,
+    /// Host time.
+    now: Duration,
 }
 
 #[derive(Debug)]
@@ -51,6 +53,9 @@ struct Link {
     frames: u8,
     /// Whether it sends and asks for items of plans by the older messages.
     has_old_items: bool,
+    /// Until when, host time, it gets telemetry a quarter as often, and how often each stream has been due since.
+    slow_until: Duration,
+    due_while_slow: [u8; Stream::COUNT],
 }
 
 impl Links {
@@ -66,6 +71,7 @@ impl Links {
             loss: 0.0,
             risked: 0,
             long_texts: 0,
+            now: Duration::ZERO,
         };
         if let Some(ground) = settings.ground {
             links.add(ground, true, Duration::ZERO, Duration::ZERO);
@@ -161,6 +167,13 @@ impl Links {
         (index, true)
     }
 
+    /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred vehicles
+    /// at once tell a client more than it can read.
+    pub fn slow_down(&mut self, index: usize) {
+        const WHILE: Duration = Duration::from_secs(1);
+        self.links[index].slow_until = self.now + WHILE;
+    }
+
     /// Notes by which messages a peer sends and asks for items of plans.
     pub fn note_old_items(&mut self, index: usize, has_old_items: bool) {
         self.links[index].has_old_items = has_old_items;
@@ -173,6 +186,7 @@ impl Links {
 
     /// Forgets the peers that have been silent for too long.
     pub fn drop_silent(&mut self, now: Duration) {
+        self.now = now;
         let is_heard = |link: &Link| link.permanent || now.saturating_sub(link.heard) < SILENCE_MAX;
         if !self.links.iter().all(is_heard) {
             self.links.retain(is_heard);
@@ -192,6 +206,8 @@ impl Links {
             batch: Vec::new(),
             frames: 1,
             has_old_items: false,
+            slow_until: Duration::ZERO,
+            due_while_slow: [0; Stream::COUNT],
         });
         self.find_next_due();
         self.links.len() - 1
@@ -235,10 +251,24 @@ impl Links {
             for stream in
                 self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
             {
-                self.send_stream(index, stream, instruments);
+                if !self.is_left_out(index, stream) {
+                    self.send_stream(index, stream, instruments);
+                }
             }
         }
         self.find_next_due();
+    }
+
+    /// Whether a stream that is due is left out: three times of four while the peer fetches parameters.
+    fn is_left_out(&mut self, index: usize, stream: Stream) -> bool {
+        let (now, link) = (self.now, &mut self.links[index]);
+        // What is sent again in lockstep must be whole.
+        if self.recording || now >= link.slow_until || stream == Stream::Heartbeat {
+            return false;
+        }
+        let due = &mut link.due_while_slow[stream as usize];
+        *due = (*due + 1) % 4;
+        *due != 0
     }
 
     /// Sends what is due on each link, and the position last whether it is due or not.

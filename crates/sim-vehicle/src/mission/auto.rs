@@ -122,8 +122,8 @@ impl Vehicle {
                 let seq = self.progress.current;
                 self.progress.has_begun = true;
                 self.begin_item(&item);
-                // What needs no flying is reached too, but to ArduPlane.
-                let is_done = self.progress.current != seq && self.settings.personality != Personality::ArduPlane;
+                // What needs no flying is reached too.
+                let is_done = self.progress.current != seq;
                 let is_jump = matches!(item.command, JUMP | JUMP_TO_TAG);
                 has_jumped |= is_jump;
                 // Once is enough for what a jump comes back to without any flying.
@@ -143,6 +143,25 @@ impl Vehicle {
         self.end_mission("Mission goes round in a circle");
     }
 
+    /// Says in ArduPlane's words what AUTO has just done.
+    fn tell_end_of_leg(&mut self, seq: u16) {
+        let state = self.flight.estimate();
+        let text = match self.progress.leg {
+            Leg::Place { at: (x_m, y_m), .. } => {
+                let (north, east) = (state.x_m - x_m, state.y_m - y_m);
+                format!("Reached waypoint #{seq} dist {:.0}m", (north * north + east * east).sqrt())
+            }
+            Leg::Circle { until: CircleEnd::Turned(_), .. } => "Loiter orbits complete".into(),
+            Leg::Circle { until: CircleEnd::Stayed(_), .. } => "Loiter time complete".into(),
+            Leg::Circle { until: CircleEnd::Altitude(_), .. } => "Loiter to alt complete".into(),
+            Leg::Altitude(..) if self.mission.get(seq).is_some_and(|item| item.command == TAKEOFF) => {
+                format!("Takeoff complete at {:.2}m", state.altitude_m - self.flight.home().altitude_m)
+            }
+            _ => return,
+        };
+        self.say(MavSeverity::MAV_SEVERITY_INFO, &text);
+    }
+
     fn tell_reached(&mut self, seq: u16) {
         self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
     }
@@ -150,7 +169,7 @@ impl Vehicle {
     fn end_mission(&mut self, text: &str) {
         let personality = self.settings.personality;
         let mode = personality.mode_after_mission();
-        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{text}, {}", personality.mode_name(mode)));
+        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{text}, changing mode to {}", personality.mode_name(mode)));
         self.set_mode(mode);
     }
 
@@ -165,6 +184,7 @@ impl Vehicle {
             Leg::Place { at, .. } | Leg::Circle { at, .. } => self.progress.from = Some(at),
             _ => self.progress.from = None,
         }
+        self.tell_end_of_leg(seq);
         self.tell_reached(seq);
         if matches!(self.progress.leg, Leg::Landing) {
             // A mission ends on the ground, as in ArduPlane.
@@ -182,6 +202,9 @@ impl Vehicle {
 
     fn begin_item(&mut self, item: &PlanItem) {
         let seq = self.progress.current;
+        if let Some(name) = flown_name(item.command) {
+            self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Mission: {seq} {name}"));
+        }
         let [p1, p2, p3, _] = item.params.map(f64::from);
         let at = self.place_of(item);
         let altitude_m = self.altitude_of(item);
@@ -231,21 +254,14 @@ impl Vehicle {
                 self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Landing approach start at {height_m:.1}m"));
                 Leg::Landing
             }
-            // A PX4 has reached it at once and goes over into Return; an ArduPilot flies home within the mission.
-            RETURN_TO_LAUNCH if self.settings.personality == Personality::Px4 => {
-                self.progress.is_complete = self.mission.get(seq + 1).is_none();
-                self.tell_reached(seq);
+            RETURN_TO_LAUNCH => {
+                // To an ArduPlane it stays the current item, which returns again.
+                if self.settings.personality != Personality::ArduPlane {
+                    self.progress.is_complete = self.mission.get(seq + 1).is_none();
+                    self.tell_reached(seq);
+                }
                 self.set_mode(Mode::Rtl);
                 return;
-            }
-            RETURN_TO_LAUNCH => {
-                let tuning = *self.flight.tuning();
-                let (rally, home) = (self.best_rally(), self.flight.home());
-                let altitude_m = rally.map(|rally| rally.altitude_m);
-                let altitude_m = altitude_m.or(tuning.rtl_altitude_m.map(|above_m| home.altitude_m + above_m));
-                let altitude_m = altitude_m.unwrap_or(self.flight.state().altitude_m);
-                let at = rally.map_or(home.at(), |rally| rally.at);
-                self.circle_until(at, tuning.rtl_radius_m, altitude_m, CircleEnd::Stayed(Duration::ZERO))
             }
             CHANGE_SPEED => {
                 self.change_mission_speed(p2);
@@ -336,4 +352,20 @@ impl Vehicle {
             if above_sea { -self.settings.frame.origin().altitude_amsl_m } else { self.flight.home().altitude_m };
         base_m + f64::from(item.z_m)
     }
+}
+
+/// ArduPilot's short name of an item that is flown (`AP_Mission::Mission_Command::type`).
+fn flown_name(command: u16) -> Option<&'static str> {
+    Some(match command {
+        WAYPOINT => "WP",
+        RETURN_TO_LAUNCH => "RTL",
+        LOITER_UNLIM => "LoitUnlim",
+        LOITER_TIME => "LoitTime",
+        LOITER_TURNS => "LoitTurns",
+        LOITER_TO_ALTITUDE => "LoitAltitude",
+        TAKEOFF => "Takeoff",
+        LAND => "Land",
+        CHANGE_ALTITUDE => "ContinueAndChangeAlt",
+        _ => return None,
+    })
 }

@@ -80,7 +80,12 @@ impl Parameters {
 
     /// The parameter of a name, if the vehicle has it.
     pub fn named(&self, name: &str) -> Option<Parameter> {
-        self.list.iter().copied().find(|parameter| self.name(*parameter) == name)
+        // ArduPilot does not look at the case.
+        let is_it = |own: &str| match self.personality {
+            Personality::Px4 => own == name,
+            Personality::ArduPlane | Personality::Generic => own.eq_ignore_ascii_case(name),
+        };
+        self.list.iter().copied().find(|parameter| is_it(self.name(*parameter)))
     }
 
     /// What the vehicle calls a parameter.

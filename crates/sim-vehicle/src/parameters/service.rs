@@ -39,9 +39,12 @@ impl Vehicle {
                 // Asked again, it begins again.
                 self.listings.0.retain(|listing| listing.peer != peer);
                 self.listings.0.push(Listing { peer, next: 0, due });
+                self.links.slow_down(link);
                 self.send_listings();
             }
             ParameterRequest::ReadIndex(index) => {
+                // Only who completes a list asks by index.
+                self.links.slow_down(link);
                 match usize::try_from(*index).ok().and_then(|i| self.parameters.list().get(i)) {
                     Some(&parameter) => self.send_parameter(link, parameter, u16::try_from(*index).ok()),
                     None => {
@@ -81,6 +84,7 @@ impl Vehicle {
         let mut listings = std::mem::take(&mut self.listings);
         listings.0.retain_mut(|listing| {
             let Some(link) = self.links.of_peer(listing.peer) else { return false };
+            self.links.slow_down(link);
             while listing.due <= self.host_now && listing.next < self.parameters.list().len() {
                 for index in (listing.next..self.parameters.list().len()).take(PARAMETERS_AT_ONCE) {
                     self.send_parameter(link, self.parameters.list()[index], u16::try_from(index).ok());

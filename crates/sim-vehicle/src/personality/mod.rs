@@ -51,6 +51,15 @@ impl Personality {
         }
     }
 
+    /// Its name as it tells it itself.
+    pub(crate) fn product(self) -> &'static str {
+        match self {
+            Personality::ArduPlane => "ArduPlane",
+            Personality::Px4 => "PX4",
+            Personality::Generic => "Columba",
+        }
+    }
+
     /// The number of a mode in HEARTBEAT.custom_mode.
     pub fn custom_mode(self, mode: Mode) -> u32 {
         match self {
@@ -197,7 +206,9 @@ impl Vehicle {
     pub(crate) fn execute_as_personality(&mut self, command: &Command, link: usize) -> Option<Result<(), Refusal>> {
         match self.settings.personality {
             Personality::ArduPlane => self.answer_for_device(command.command as u32 as u16, command.params[0]),
-            Personality::Px4 => self.execute_px4(command),
+            Personality::Px4 => self
+                .execute_px4(command)
+                .or_else(|| self.answer_for_device(command.command as u32 as u16, command.params[0])),
             Personality::Generic => self.execute_generic(command),
         }
         .or_else(|| self.execute_standard_mode(command, link))

@@ -42,6 +42,9 @@ impl Vehicle {
                 Some(self.set_standard_mode(p1))
             }
             MavCmd::MAV_CMD_REQUEST_MESSAGE => match u32::try_from(integer(p1)) {
+                Ok(AVAILABLE_MODES | CURRENT_MODE) if !self.links.can_carry(link, AVAILABLE_MODES) => {
+                    Some(Err(Refusal::failed("MAVLink 1 does not have this message").quietly()))
+                }
                 Ok(AVAILABLE_MODES) => Some(self.send_available_modes(link, integer(p2))),
                 Ok(CURRENT_MODE) => {
                     self.links.send(link, &self.current_mode());

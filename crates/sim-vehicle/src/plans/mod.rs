@@ -10,7 +10,6 @@ mod upload;
 pub use file::PlanFileError;
 pub(crate) use upload::Uploads;
 
-use crate::commands::Refusal;
 use crate::mission::WAYPOINT;
 use crate::parameters::Parameter;
 use crate::streams::Stream;
@@ -165,11 +164,11 @@ impl Vehicle {
                 self.fly_to_item(link, sender, &item, current == 2);
             }
             PlanMessage::SetCurrent(seq) => {
-                if let Err(Refusal { reason: Some(reason), .. }) = self.set_current_item(seq) {
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &reason);
+                // It has no acknowledgement of its own. Whoever hears at once of another item than he asked for asks again.
+                match self.set_current_item(seq) {
+                    Ok(()) => self.send_stream(link, Stream::MissionCurrent),
+                    Err(refusal) => self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal.reason.unwrap_or_default()),
                 }
-                // It has no acknowledgement of its own: this tells what has become of it.
-                self.send_stream(link, Stream::MissionCurrent);
             }
             PlanMessage::Count(count) => self.begin_upload(link, sender, kind, count),
             PlanMessage::WritePartial(first, last) => self.begin_partial_upload(link, sender, kind, first, last),
@@ -239,7 +238,7 @@ impl Vehicle {
             self.refuse_plan(link, to, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
             return;
         };
-        let is_current = kind == PlanKind::Mission && seq == self.progress.told();
+        let is_current = kind == PlanKind::Mission && !is_home && seq == self.progress.told();
         let mission_type = kind.mission_type() as u8;
         self.links
             .send_plan_item(link, &PlanItemMessage { mission_type, seq, item: &item, is_current, kind: item_kind, to });

@@ -193,17 +193,19 @@ impl Instruments<'_> {
         } else {
             MissionState::MISSION_STATE_NOT_STARTED
         };
-        // Only an ArduPilot tells of an item behind the last one.
-        let last = match self.personality {
-            Personality::ArduPlane => u16::MAX,
-            Personality::Px4 | Personality::Generic => self.mission.len().saturating_sub(1),
-        };
+        // There is no item behind the last one.
+        let last = self.mission.len().saturating_sub(1);
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
             seq: self.progress.told().min(last),
             // Home is not counted.
             total: self.mission.len().saturating_sub(self.mission.first),
             mission_state,
-            mission_mode: if is_flown { 1 } else { 2 },
+            // An ArduPlane knows only whether it is flown.
+            mission_mode: match (is_flown, self.personality) {
+                (true, _) => 1,
+                (false, Personality::ArduPlane) => 0,
+                (false, _) => 2,
+            },
             ..MISSION_CURRENT_DATA::DEFAULT
         })
     }

@@ -130,10 +130,7 @@ impl Instruments<'_> {
             lon_int: (place.longitude_deg * 1e7).round() as i32,
             alt: place.altitude_amsl_m as f32,
             coordinate_frame: MavFrame::MAV_FRAME_GLOBAL,
-            type_mask: Mask::all()
-                - Mask::POSITION_TARGET_TYPEMASK_X_IGNORE
-                - Mask::POSITION_TARGET_TYPEMASK_Y_IGNORE
-                - Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE,
+            type_mask: Mask::from_bits_retain(PLACE_ALONE),
             ..POSITION_TARGET_GLOBAL_INT_DATA::DEFAULT
         })
     }
@@ -149,11 +146,13 @@ impl Instruments<'_> {
             vx: (aim.airspeed_mps * cos) as f32,
             vy: (aim.airspeed_mps * sin) as f32,
             coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
-            type_mask: Mask::from_bits_truncate(VELOCITY_AND_ALTITUDE),
+            type_mask: Mask::from_bits_retain(VELOCITY_AND_ALTITUDE),
             ..POSITION_TARGET_LOCAL_NED_DATA::DEFAULT
         })
     }
 }
 
+/// All is left out but the place, in the bits that ArduPlane sets.
+const PLACE_ALONE: u16 = 0xFDF8;
 /// All is left out but vx, vy and z.
 const VELOCITY_AND_ALTITUDE: u16 = 0x0DE3;

@@ -22,7 +22,10 @@ impl Vehicle {
         }
         if self.mode() == Mode::Guided && data.z.is_finite() {
             let altitude_m = self.flight.aim().altitude_m - f64::from(data.z);
-            self.change_guided_altitude(altitude_m);
+            if self.change_guided_altitude(altitude_m) {
+                let above_home_m = altitude_m - self.flight.home().altitude_m;
+                self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Change alt to {above_home_m:.1}"));
+            }
         }
         true
     }
@@ -33,7 +36,10 @@ impl Vehicle {
             return;
         }
         match self.guided_altitude_m("Setpoint", data.alt, data.coordinate_frame) {
-            Ok(altitude_m) => self.change_guided_altitude(altitude_m),
+            // They come in streams: no word of each.
+            Ok(altitude_m) => {
+                self.change_guided_altitude(altitude_m);
+            }
             Err(refusal) => {
                 if let Some(reason) = refusal.reason {
                     self.say(MavSeverity::MAV_SEVERITY_WARNING, &reason);
@@ -42,14 +48,13 @@ impl Vehicle {
         }
     }
 
-    /// Without effect while a GUIDED_CHANGE_ALTITUDE is flown.
-    fn change_guided_altitude(&mut self, altitude_m: f64) {
+    /// Without effect, and then `false`, while a GUIDED_CHANGE_ALTITUDE is flown.
+    fn change_guided_altitude(&mut self, altitude_m: f64) -> bool {
         if self.flight.is_altitude_slewed() {
-            return;
+            return false;
         }
         self.flight.set_altitude(altitude_m, f64::INFINITY);
         self.restart_setpoint_timeout();
-        let above_home_m = altitude_m - self.flight.home().altitude_m;
-        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Change alt to {above_home_m:.1}"));
+        true
     }
 }

@@ -51,6 +51,9 @@ impl Vehicle {
             MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED
             | MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE
             | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
+            | MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT
+            | MavCmd::MAV_CMD_DO_FENCE_ENABLE
+            | MavCmd::MAV_CMD_GET_HOME_POSITION
             | MavCmd::MAV_CMD_DO_RETURN_PATH_START => Err(Refusal::unsupported()),
             _ => return None,
         })
@@ -83,12 +86,16 @@ impl Vehicle {
             Mode::Offboard if !self.has_offboard_stream() => Some("No offboard signal"),
             Mode::Auto if !self.mission.is_flyable() => Some("No valid mission available"),
             mode if ends_a_flight(mode) => Some("Mode not armable"),
+            mode if mode.is_manual() && !self.are_sticks_held() => Some("No manual control input"),
             _ => None,
         };
         if let Some(reason) = reason {
             return Err(rejected(format!("Arming denied: {reason}")));
         }
         self.arm();
+        if let Some(altitude_m) = self.px4.takeoff_altitude_m.take().filter(|_| self.mode() == Mode::Takeoff) {
+            self.flight.take_off(altitude_m);
+        }
         self.px4.armed_at = self.flight.is_on_ground().then_some(self.time);
         Ok(())
     }
@@ -120,8 +127,17 @@ impl Vehicle {
         if self.mode() != Mode::Takeoff {
             self.px4_change_mode(Mode::Takeoff)?;
         }
-        if !z.is_nan() {
-            self.flight.take_off(altitude_m.max(self.flight.state().altitude_m));
+        self.px4.takeoff_altitude_m = None;
+        let here_m = self.flight.state().altitude_m;
+        if z.is_nan() {
+            return Ok(());
+        }
+        if altitude_m <= here_m {
+            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, "Already higher than takeoff altitude");
+        } else if self.flight.is_armed() {
+            self.flight.take_off(altitude_m);
+        } else {
+            self.px4.takeoff_altitude_m = Some(altitude_m);
         }
         Ok(())
     }

@@ -27,6 +27,8 @@ pub(crate) struct State {
     /// What the vehicle does by itself for want of somebody.
     pub failsafe: Option<Failsafe>,
     pub was_armed: bool,
+    /// The altitude of a take-off that it was told of before it was armed, m above the origin.
+    pub takeoff_altitude_m: Option<f64>,
     /// The mode that it is in again when a landing has disarmed it: the last one that can be armed in.
     pub mode_to_restore: Option<Mode>,
     /// When it was armed on the ground and has not yet flown.

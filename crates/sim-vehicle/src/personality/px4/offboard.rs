@@ -39,6 +39,14 @@ impl Vehicle {
         self.take_target(target);
     }
 
+    /// SET_ATTITUDE_TARGET keeps the stream alive, and is not followed.
+    pub(crate) fn px4_take_attitude(&mut self) {
+        self.px4.setpoint_heard = Some(self.time);
+        if self.mode() == Mode::Offboard {
+            self.refuse_target("Offboard: attitudes are not followed");
+        }
+    }
+
     /// Whether setpoints have come of late.
     pub(super) fn has_offboard_stream(&self) -> bool {
         let timeout_s = self.parameters.get(Parameter::OffboardTimeout);
