@@ -109,13 +109,17 @@ impl Vehicle {
                 self.restart_setpoint_timeout();
             }
             Err(refused) => {
-                self.counters.setpoints_refused += 1;
-                // Setpoints come in streams: one word in five seconds is enough.
-                if self.time >= self.quiet_until {
-                    self.quiet_until = self.time + Duration::from_secs(5);
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {refused}"));
-                }
+                self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {refused}"));
             }
+        }
+    }
+
+    /// Counts a setpoint that is not followed, and says why: setpoints come in streams, one word in five seconds is enough.
+    pub(crate) fn refuse_setpoint(&mut self, severity: MavSeverity, text: &str) {
+        self.counters.setpoints_refused += 1;
+        if self.time >= self.quiet_until {
+            self.quiet_until = self.time + Duration::from_secs(5);
+            self.say(severity, text);
         }
     }
 

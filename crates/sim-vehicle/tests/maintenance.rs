@@ -134,6 +134,20 @@ fn an_arduplane_takes_the_altitude_of_a_position_target_and_no_more() {
     client.ask(&offset);
     client.fly(30.0);
     assert!((client.vehicle.state().altitude_m - 120.0).abs() < 0.5);
+    client.collect();
+    let mut said = Vec::new();
+    for z in [NAN, f32::INFINITY, -1e30] {
+        let beyond = SET_POSITION_TARGET_LOCAL_NED_DATA {
+            target_system: TARGET,
+            z,
+            coordinate_frame: MavFrame::MAV_FRAME_LOCAL_OFFSET_NED,
+            ..SET_POSITION_TARGET_LOCAL_NED_DATA::DEFAULT
+        };
+        said.extend(texts(&client.ask(&Message::SET_POSITION_TARGET_LOCAL_NED(beyond))));
+    }
+    client.fly(10.0);
+    assert_eq!(said, ["Setpoint refused: no such altitude"], "once for a stream of bad ones");
+    assert!((client.vehicle.state().altitude_m - 120.0).abs() < 0.5);
 }
 
 #[test]

@@ -184,7 +184,7 @@ impl Links {
         self.links[index].has_old_items
     }
 
-    /// Forgets the peers that have been silent for too long.
+    /// Takes the host time, and forgets the peers that have been silent for too long.
     pub fn drop_silent(&mut self, now: Duration) {
         self.now = now;
         let is_heard = |link: &Link| link.permanent || now.saturating_sub(link.heard) < SILENCE_MAX;

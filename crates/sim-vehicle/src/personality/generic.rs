@@ -8,7 +8,6 @@ use crate::{Mode, Vehicle};
 use mavlink_bridge::dialect::{
     MavCmd, MavModeFlag, MavSeverity, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
-use std::time::Duration;
 
 /// There is none.
 pub(super) const VERSION: [u8; 3] = [0, 0, 0];
@@ -119,11 +118,6 @@ impl Vehicle {
             Ok(target) => format!("mask {:#05x} is not followed", target.mask),
             Err(reason) => reason,
         };
-        self.counters.setpoints_refused += 1;
-        // They come in streams: one word in five seconds is enough.
-        if self.time >= self.quiet_until {
-            self.quiet_until = self.time + Duration::from_secs(5);
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {reason}"));
-        }
+        self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {reason}"));
     }
 }

@@ -4,6 +4,7 @@
 // Clients still send the older numbers of the frames.
 #![allow(deprecated)]
 
+use crate::commands::ALTITUDE_MAX_M;
 use crate::{Mode, Vehicle};
 use mavlink_bridge::dialect::{
     MavFrame, MavSeverity, PositionTargetTypemask as Mask, SET_POSITION_TARGET_GLOBAL_INT_DATA,
@@ -20,12 +21,15 @@ impl Vehicle {
         if data.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_OFFSET_NED {
             return false;
         }
-        if self.mode() == Mode::Guided && data.z.is_finite() {
-            let altitude_m = self.flight.aim().altitude_m - f64::from(data.z);
-            if self.change_guided_altitude(altitude_m) {
-                let above_home_m = altitude_m - self.flight.home().altitude_m;
-                self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Change alt to {above_home_m:.1}"));
-            }
+        if self.mode() != Mode::Guided {
+            return true;
+        }
+        let altitude_m = self.flight.aim().altitude_m - f64::from(data.z);
+        if !data.z.is_finite() || altitude_m.abs() >= f64::from(ALTITUDE_MAX_M) {
+            self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, "Setpoint refused: no such altitude");
+        } else if self.change_guided_altitude(altitude_m) {
+            let above_home_m = altitude_m - self.flight.home().altitude_m;
+            self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Change alt to {above_home_m:.1}"));
         }
         true
     }
@@ -40,11 +44,7 @@ impl Vehicle {
             Ok(altitude_m) => {
                 self.change_guided_altitude(altitude_m);
             }
-            Err(refusal) => {
-                if let Some(reason) = refusal.reason {
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &reason);
-                }
-            }
+            Err(refusal) => self.refuse_setpoint(refusal.severity, &refusal.reason.unwrap_or_default()),
         }
     }
 

@@ -78,11 +78,6 @@ impl Vehicle {
     }
 
     fn refuse_target(&mut self, reason: &str) {
-        self.counters.setpoints_refused += 1;
-        // They come in streams: one word in five seconds is enough.
-        if self.time >= self.quiet_until {
-            self.quiet_until = self.time + Duration::from_secs(5);
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, reason);
-        }
+        self.refuse_setpoint(MavSeverity::MAV_SEVERITY_CRITICAL, reason);
     }
 }
