@@ -3,7 +3,6 @@
 use crate::commands::{Refusal, check_finite, integer};
 use crate::failsafe::Failsafes;
 use crate::life::BatterySettings;
-use crate::mission::Progress;
 use crate::parameters::{Listings, Parameter};
 use crate::personality::px4;
 use crate::plans::Uploads;
@@ -76,7 +75,6 @@ impl Vehicle {
         self.px4 = px4::State::default();
         self.quiet_until = Duration::ZERO;
         self.home_is_set = false;
-        self.progress = Progress::default();
         self.set_mode(mode);
         self.reset_mission();
         self.fence.forget_breaches();

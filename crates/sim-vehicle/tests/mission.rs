@@ -392,3 +392,10 @@ fn do_jump_tag_chooses_the_item_of_that_number() {
     assert_eq!(mission_state(&mut client).0, 2);
     assert_eq!(client.command_long(MAV_CMD_DO_JUMP_TAG, [8.0, 0.0, 0.0]), Some(MavResult::MAV_RESULT_FAILED));
 }
+
+#[test]
+fn the_last_index_there_is_is_no_item() {
+    let mut client = Client::new(quiet());
+    assert_eq!(upload(&mut client, &square()), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(result(&send_item(&mut client, u16::MAX, &square()[0])), Some(MAV_MISSION_ERROR));
+}

@@ -219,16 +219,16 @@ impl Vehicle {
     /// Who returns at the altitude of the breach would stay outside for ever: the way back is within the altitudes that
     /// count.
     fn return_within_altitudes(&mut self) {
-        let get = |parameter: Parameter| f64::from(self.parameters.get(parameter));
-        let (home_m, margin_m) = (self.flight.home().altitude_m, get(Parameter::FenceMargin));
+        let (least_m, most_m) = self.altitudes_inside_m();
+        let home_m = self.flight.home().altitude_m;
         let counts = |kind: Kinds| self.fence.enabled & kind != 0;
         let wanted_m = self.flight.aim().altitude_m;
         let mut altitude_m = wanted_m;
         if counts(MAX_ALTITUDE) {
-            altitude_m = altitude_m.min(home_m + get(Parameter::FenceAltitudeMax) - margin_m);
+            altitude_m = altitude_m.min(home_m + most_m);
         }
         if counts(MIN_ALTITUDE) {
-            altitude_m = altitude_m.max(home_m + get(Parameter::FenceAltitudeMin) + margin_m);
+            altitude_m = altitude_m.max(home_m + least_m);
         }
         if altitude_m != wanted_m {
             self.flight.set_altitude(altitude_m, f64::INFINITY);
@@ -238,9 +238,7 @@ impl Vehicle {
     /// Circles the return point, or a rally point if FENCE_RET_RALLY says so.
     fn fly_to_return_point(&mut self) {
         let get = |parameter: Parameter| f64::from(self.parameters.get(parameter));
-        let margin_m = get(Parameter::FenceMargin);
-        let (least_m, most_m) =
-            (get(Parameter::FenceAltitudeMin) + margin_m, get(Parameter::FenceAltitudeMax) - margin_m);
+        let (least_m, most_m) = self.altitudes_inside_m();
         let home = self.flight.home();
         let above_home_m = |altitude_m: f64| home.altitude_m + altitude_m;
         let rtl_altitude_m = self.flight.tuning().rtl_altitude_m.map(above_home_m);
@@ -260,6 +258,13 @@ impl Vehicle {
             self.flight.set_altitude(altitude_m, f64::INFINITY);
         }
         self.stop_setpoint_timeout();
+    }
+
+    /// The least and the greatest altitude that keep the margin, m above home.
+    fn altitudes_inside_m(&self) -> (f64, f64) {
+        let get = |parameter: Parameter| f64::from(self.parameters.get(parameter));
+        let margin_m = get(Parameter::FenceMargin);
+        (get(Parameter::FenceAltitudeMin) + margin_m, get(Parameter::FenceAltitudeMax) - margin_m)
     }
 
     /// Whether the present mode is the one that a breach has brought about.

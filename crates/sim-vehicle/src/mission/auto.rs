@@ -145,17 +145,14 @@ impl Vehicle {
 
     /// Says in ArduPlane's words what AUTO has just done.
     fn tell_end_of_leg(&mut self, seq: u16) {
-        let state = self.flight.estimate();
         let text = match self.progress.leg {
-            Leg::Place { at: (x_m, y_m), .. } => {
-                let (north, east) = (state.x_m - x_m, state.y_m - y_m);
-                format!("Reached waypoint #{seq} dist {:.0}m", (north * north + east * east).sqrt())
-            }
+            Leg::Place { at, .. } => format!("Reached waypoint #{seq} dist {:.0}m", self.distance_m(at)),
             Leg::Circle { until: CircleEnd::Turned(_), .. } => "Loiter orbits complete".into(),
             Leg::Circle { until: CircleEnd::Stayed(_), .. } => "Loiter time complete".into(),
             Leg::Circle { until: CircleEnd::Altitude(_), .. } => "Loiter to alt complete".into(),
             Leg::Altitude(..) if self.mission.get(seq).is_some_and(|item| item.command == TAKEOFF) => {
-                format!("Takeoff complete at {:.2}m", state.altitude_m - self.flight.home().altitude_m)
+                let altitude_m = self.flight.estimate().altitude_m - self.flight.home().altitude_m;
+                format!("Takeoff complete at {altitude_m:.2}m")
             }
             _ => return,
         };

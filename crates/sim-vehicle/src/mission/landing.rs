@@ -139,7 +139,7 @@ impl Vehicle {
         nearest.map(|(seq, _)| seq)
     }
 
-    fn distance_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
+    pub(super) fn distance_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
         let (x0_m, y0_m) = self.here();
         ((x_m - x0_m) * (x_m - x0_m) + (y_m - y0_m) * (y_m - y0_m)).sqrt()
     }

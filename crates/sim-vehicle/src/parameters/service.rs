@@ -39,7 +39,6 @@ impl Vehicle {
                 // Asked again, it begins again.
                 self.listings.0.retain(|listing| listing.peer != peer);
                 self.listings.0.push(Listing { peer, next: 0, due });
-                self.links.slow_down(link);
                 self.send_listings();
             }
             ParameterRequest::ReadIndex(index) => {

@@ -136,7 +136,7 @@ impl Vehicle {
             let nobody =
                 if is_complete { MavMissionResult::MAV_MISSION_ERROR } else { MavMissionResult::MAV_MISSION_DENIED };
             self.refuse_plan(link, sender, kind, nobody);
-        } else if is_complete && seq + 1 == next {
+        } else if is_complete && seq.checked_add(1) == Some(next) {
             // The last item again: the acknowledgement was lost.
             self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
         } else if is_complete {
