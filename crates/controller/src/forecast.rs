@@ -4,9 +4,9 @@ use crate::command::Commander;
 use crate::law::command;
 use crate::neighbours::Neighbours;
 use crate::terms::Neighbour;
-use crate::vector::Vec2;
 use crate::{Expected, LawSettings, Obstacle};
 use flight_model::{Autopilot, Setpoint, State};
+use nalgebra::Vector2;
 
 /// A vehicle at one instant of a forecast.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -116,11 +116,10 @@ impl Forecast {
                 self.near.clear();
                 for other in (0..self.passages.len() / self.instants).filter(|&other| other != vehicle) {
                     let there = self.passages[other * self.instants + 2 * step];
-                    let (dx, dy) = (there.x_m - state.x_m, there.y_m - state.y_m);
-                    if dx * dx + dy * dy <= range_m * range_m {
+                    if (there.position_m() - state.position_m()).norm_squared() <= range_m * range_m {
                         self.near.push(Neighbour {
-                            position_m: Vec2::new(there.x_m, there.y_m),
-                            velocity_mps: Vec2::new(there.vx_mps, there.vy_mps),
+                            position_m: there.position_m(),
+                            velocity_mps: Vector2::new(there.vx_mps, there.vy_mps),
                         });
                     }
                 }
@@ -140,8 +139,13 @@ impl Forecast {
 }
 
 impl Passage {
+    /// (North, east), m.
+    pub fn position_m(&self) -> Vector2<f64> {
+        Vector2::new(self.x_m, self.y_m)
+    }
+
     fn of(state: &State) -> Self {
-        let (vx_mps, vy_mps) = state.velocity_mps();
-        Self { x_m: state.x_m, y_m: state.y_m, vx_mps, vy_mps }
+        let velocity_mps = state.velocity_mps();
+        Self { x_m: state.x_m, y_m: state.y_m, vx_mps: velocity_mps.x, vy_mps: velocity_mps.y }
     }
 }

@@ -2,9 +2,8 @@
 
 use crate::command::Commander;
 use crate::terms::Neighbour;
-use crate::vector::Vec2;
 use crate::{Expected, LawSettings, Obstacle, steering, terms};
-use flight_model::{Setpoint, State, wrap_pi};
+use flight_model::{Setpoint, State, course_vector, wrap_pi};
 
 /// The setpoint of one vehicle: Eq. 4 with given weights (alpha_f, alpha_o, alpha_nv), then Eq. 2.
 pub fn command(
@@ -16,8 +15,8 @@ pub fn command(
     obstacles: &[Obstacle],
     weights: [f64; 3],
 ) -> Setpoint {
-    let position_m = Vec2::new(state.x_m, state.y_m);
-    let heading = heading(state);
+    let position_m = state.position_m();
+    let heading = course_vector(state.course_rad);
     let velocity_mps = heading * state.speed_mps;
     let towards = steering::direction(law, expected, position_m, heading, obstacles);
     let [alpha_f, alpha_o, alpha_nv] = weights;
@@ -31,10 +30,4 @@ pub fn command(
         course_rad: wrap_pi(state.course_rad + course_change_rad),
         altitude_m: commander.altitude_m(law, expected.altitude_m, state),
     }
-}
-
-/// The unit vector along the course.
-pub fn heading(state: &State) -> Vec2 {
-    let (sin, cos) = libm::sincos(state.course_rad);
-    Vec2::new(cos, sin)
 }

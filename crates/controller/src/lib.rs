@@ -12,6 +12,7 @@
 //! | 11, 12 and the constraints | `look_ahead.rs` |
 //! | Algorithm 2 | `flock.rs` |
 
+mod closest_approach;
 mod command;
 mod decision;
 mod evasion;
@@ -27,7 +28,6 @@ mod polynomial;
 mod settings;
 pub mod steering;
 pub mod terms;
-mod vector;
 
 pub use decision::{Decision, FlockSettings};
 pub use field::{Expected, Obstacle};
@@ -36,4 +36,3 @@ pub use settings::{
     AltitudeLaw, ControllerSettings, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
     WeightSettings,
 };
-pub use vector::Vec2;

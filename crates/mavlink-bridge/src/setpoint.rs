@@ -6,6 +6,7 @@ use crate::dialect::{
 };
 use crate::telemetry::{boot_ms, down, speed_and_course, up, wire_velocity};
 use flight_model::Setpoint;
+use nalgebra::Vector2;
 use std::time::Duration;
 
 /// The type mask of [`local_ned_setpoint`]: vx, vy and z are set, all else is ignored.
@@ -18,7 +19,7 @@ pub const SPEED_MIN_MPS: f64 = 1.0 / 1024.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartialSetpoint {
     /// Horizontal velocity (north, east), m/s.
-    pub velocity: Option<(f64, f64)>,
+    pub velocity: Option<Vector2<f64>>,
     /// Altitude above the origin, m.
     pub altitude: Option<f64>,
 }
@@ -68,7 +69,7 @@ pub fn setpoint_from_local_ned(
         return Err(SetpointRefusal::Mask(mask.bits()));
     }
     let partial = PartialSetpoint {
-        velocity: asks(velocity).then(|| (f64::from(target.vx), f64::from(target.vy))),
+        velocity: asks(velocity).then(|| Vector2::new(target.vx, target.vy).cast()),
         altitude: asks(altitude).then(|| up(target.z)),
     };
     if partial.is_finite() { Ok(partial) } else { Err(SetpointRefusal::NotFinite) }
@@ -78,7 +79,7 @@ pub fn setpoint_from_local_ned(
 /// run over the wire. Twice is the same as once.
 pub fn wire_round_setpoint(setpoint: &Setpoint) -> Setpoint {
     let data = local_ned_data(0, Target::default(), setpoint);
-    let (speed_mps, course_rad) = speed_and_course(f64::from(data.vx), f64::from(data.vy));
+    let (speed_mps, course_rad) = speed_and_course(Vector2::new(data.vx, data.vy).cast());
     Setpoint { speed_mps, course_rad, altitude_m: up(data.z) }
 }
 
@@ -86,14 +87,14 @@ impl PartialSetpoint {
     /// The setpoint of a vehicle that has flown `current` until now: what is not asked for stays as it is.
     pub fn over(&self, current: &Setpoint) -> Setpoint {
         let (speed_mps, course_rad) = match self.velocity {
-            Some((north_mps, east_mps)) => speed_and_course(north_mps, east_mps),
+            Some(velocity_mps) => speed_and_course(velocity_mps),
             None => (current.speed_mps, current.course_rad),
         };
         Setpoint { speed_mps, course_rad, altitude_m: self.altitude.unwrap_or(current.altitude_m) }
     }
 
     fn is_finite(&self) -> bool {
-        self.velocity.is_none_or(|(north, east)| north.is_finite() && east.is_finite())
+        self.velocity.is_none_or(|velocity| velocity.iter().all(|mps| mps.is_finite()))
             && self.altitude.is_none_or(f64::is_finite)
     }
 }
@@ -140,12 +141,12 @@ const LATERAL_ACCELERATION_MIN_MPS2: f32 = 0.05;
 fn local_ned_data(time_boot_ms: u32, target: Target, setpoint: &Setpoint) -> SET_POSITION_TARGET_LOCAL_NED_DATA {
     // Not f64::max, which would make a speed of NaN a valid one.
     let speed_mps = if setpoint.speed_mps < 0.5 * SPEED_MIN_MPS { SPEED_MIN_MPS } else { setpoint.speed_mps };
-    let (vx, vy) = wire_velocity(speed_mps, setpoint.course_rad);
+    let velocity_mps = wire_velocity(speed_mps, setpoint.course_rad);
     SET_POSITION_TARGET_LOCAL_NED_DATA {
         time_boot_ms,
         z: down(setpoint.altitude_m),
-        vx,
-        vy,
+        vx: velocity_mps.x,
+        vy: velocity_mps.y,
         type_mask: PositionTargetTypemask::from_bits_retain(VELOCITY_AND_ALTITUDE_MASK),
         target_system: target.system_id,
         target_component: target.component_id,
@@ -229,7 +230,7 @@ mod tests {
             data.type_mask = PositionTargetTypemask::from_bits_retain(mask);
             setpoint_from_local_ned(&data)
         };
-        let (velocity, altitude) = (Some((5.0, 0.0)), Some(50.0));
+        let (velocity, altitude) = (Some(Vector2::new(5.0, 0.0)), Some(50.0));
         assert_eq!(read(0x0DE3), Ok(PartialSetpoint { velocity, altitude }));
         assert_eq!(read(0x0DE7), Ok(PartialSetpoint { velocity, altitude: None }));
         assert_eq!(read(0x0DFB), Ok(PartialSetpoint { velocity: None, altitude }));

@@ -13,7 +13,8 @@ use crate::dialect::{
     MavProtocolCapability, MavState, MavType, MavVtolState, Message, PROTOCOL_VERSION_DATA, SYSTEM_TIME_DATA,
     VFR_HUD_DATA, WIND_COV_DATA,
 };
-use flight_model::{Geodetic, LocalFrame, State, Wind, wrap_pi};
+use flight_model::{Geodetic, LocalFrame, State, Wind, course_vector, wrap_pi};
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 use std::time::Duration;
 
@@ -32,7 +33,7 @@ pub fn local_position_ned(time_boot: Duration, state: &State) -> Message {
 
 /// The state in a LOCAL_POSITION_NED. Numbers that are not finite stay so: check [`State::is_finite`] before use.
 pub fn state_from_local_position(position: &LOCAL_POSITION_NED_DATA) -> State {
-    let (speed_mps, course_rad) = speed_and_course(f64::from(position.vx), f64::from(position.vy));
+    let (speed_mps, course_rad) = speed_and_course(Vector2::new(position.vx, position.vy).cast());
     State {
         x_m: f64::from(position.x),
         y_m: f64::from(position.y),
@@ -60,16 +61,16 @@ pub fn global_position_int(
 ) -> Message {
     let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
     let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);
-    let (north_mps, east_mps) = state.velocity_mps();
     // A float to integer cast takes the bound when it overflows and zero for NaN.
+    let velocity_cmps = (state.velocity_mps() * 1e2).map(|cmps| cmps.round() as i16);
     Message::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
         time_boot_ms: boot_ms(time_boot),
         lat: latitude_e7,
         lon: longitude_e7,
         alt: (place.altitude_amsl_m * 1e3).round() as i32,
         relative_alt: ((state.altitude_m - home_altitude_m) * 1e3).round() as i32,
-        vx: (north_mps * 1e2).round() as i16,
-        vy: (east_mps * 1e2).round() as i16,
+        vx: velocity_cmps.x,
+        vy: velocity_cmps.y,
         vz: (-state.climb_mps * 1e2).round() as i16,
         hdg: heading_cdeg(heading_rad),
     })
@@ -228,31 +229,28 @@ pub fn extended_sys_state(landed_state: MavLandedState) -> Message {
 }
 
 fn local_position_data(time_boot_ms: u32, state: &State) -> LOCAL_POSITION_NED_DATA {
-    let (vx, vy) = wire_velocity(state.speed_mps, state.course_rad);
+    let velocity_mps = wire_velocity(state.speed_mps, state.course_rad);
     LOCAL_POSITION_NED_DATA {
         time_boot_ms,
         x: state.x_m as f32,
         y: state.y_m as f32,
         z: down(state.altitude_m),
-        vx,
-        vy,
+        vx: velocity_mps.x,
+        vy: velocity_mps.y,
         vz: down(state.climb_mps),
     }
 }
 
 /// Velocity (north, east) on the wire, m/s, from speed in m/s and course in rad.
-pub(crate) fn wire_velocity(speed_mps: f64, course_rad: f64) -> (f32, f32) {
+pub(crate) fn wire_velocity(speed_mps: f64, course_rad: f64) -> Vector2<f32> {
     const GRID: f64 = 1_048_576.0; // 2^20: scaling by it is exact
-    let (sin, cos) = libm::sincos(course_rad);
     // Adding zero turns -0 into 0, so that a course along an axis has one sign.
-    let on_grid = |component_mps: f64| ((component_mps * GRID).round() / GRID + 0.0) as f32;
-    (on_grid(speed_mps * cos), on_grid(speed_mps * sin))
+    (course_vector(course_rad) * speed_mps).map(|component_mps| ((component_mps * GRID).round() / GRID + 0.0) as f32)
 }
 
 /// Speed in m/s and course in rad, in (-pi, pi], of a velocity (north, east) in m/s.
-pub(crate) fn speed_and_course(north_mps: f64, east_mps: f64) -> (f64, f64) {
-    let speed_mps = (north_mps * north_mps + east_mps * east_mps).sqrt();
-    (speed_mps, wrap_pi(libm::atan2(east_mps, north_mps)))
+pub(crate) fn speed_and_course(velocity_mps: Vector2<f64>) -> (f64, f64) {
+    (velocity_mps.norm(), wrap_pi(libm::atan2(velocity_mps.y, velocity_mps.x)))
 }
 
 /// Up in m or m/s as down on the wire; never -0.

@@ -161,11 +161,6 @@ impl World for RealTime {
 fn carry_forward(position: &Position, now: Duration, speed: f64) -> State {
     let age_s = now.saturating_sub(position.heard).min(SILENCE).as_secs_f64() * speed;
     let state = position.state;
-    let (north_mps, east_mps) = state.velocity_mps();
-    State {
-        x_m: state.x_m + north_mps * age_s,
-        y_m: state.y_m + east_mps * age_s,
-        altitude_m: state.altitude_m + state.climb_mps * age_s,
-        ..state
-    }
+    let position_m = state.position_m() + state.velocity_mps() * age_s;
+    State { x_m: position_m.x, y_m: position_m.y, altitude_m: state.altitude_m + state.climb_mps * age_s, ..state }
 }

@@ -152,7 +152,7 @@ impl LookAhead {
         let (first, second) = (before.and(&half_way), half_way.and(here));
         let wanted_m = self.separation_m;
         for passages in scene.neighbours.chunks_exact(1 + 2 * self.steps) {
-            let [start, middle, end] = [2 * k - 2, 2 * k - 1, 2 * k].map(|i| (passages[i].x_m, passages[i].y_m));
+            let [start, middle, end] = [2 * k - 2, 2 * k - 1, 2 * k].map(|i| passages[i].position_m());
             if first.may_be_met(start, middle, wanted_m) {
                 flights.keep_off_first_half(start, middle, wanted_m);
             }
@@ -161,7 +161,7 @@ impl LookAhead {
             }
         }
         for obstacle in scene.close_obstacles {
-            let (place, wanted_m) = ((obstacle.x_m, obstacle.y_m), obstacle.radius_m + self.clearance_m);
+            let (place, wanted_m) = (obstacle.centre_m(), obstacle.radius_m + self.clearance_m);
             if first.may_be_met(place, place, wanted_m) {
                 flights.keep_off_first_half(place, place, wanted_m);
             }
