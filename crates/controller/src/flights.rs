@@ -24,6 +24,9 @@ const VECTOR: usize = 8;
 pub type Each = [f64; BATCH];
 
 /// What is near the box of all pigeons may be near one of them; what is not is passed over for all at once.
+///
+/// Its sums are written out: a vector's operators would be calls that are not compiled for the vector instructions of the
+/// batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     low: Vector2<f64>,
@@ -53,18 +56,18 @@ impl Extent {
     /// Whether something that goes from one place to another may come within a distance of the box.
     #[inline(always)]
     pub fn may_be_met(&self, from_m: Vector2<f64>, to_m: Vector2<f64>, distance_m: f64) -> bool {
-        let half_m = (to_m - from_m) * 0.5;
-        let middle_m = from_m + half_m;
-        self.is_within(middle_m.x, middle_m.y, distance_m + half_m.norm())
+        let (half_x, half_y) = (0.5 * (to_m.x - from_m.x), 0.5 * (to_m.y - from_m.y));
+        let half_m = (half_x * half_x + half_y * half_y).sqrt();
+        self.is_within(from_m.x + half_x, from_m.y + half_y, distance_m + half_m)
     }
 
     /// Whether a circle can reach into the corridor of this half width that runs from a place in the box along `ahead`.
     #[inline(always)]
     pub fn may_be_blocked(&self, x_m: f64, y_m: f64, half_width_m: f64, ahead: Vector2<f64>) -> bool {
-        let offset = Vector2::new(x_m, y_m) - (self.low + self.high) * 0.5;
-        let half = (self.high - self.low) * 0.5;
-        let along_m = offset.dot(&ahead) + (half.x * ahead.x.abs() + half.y * ahead.y.abs());
-        let across_m = ahead.perp(&offset).abs() - (half.x * ahead.y.abs() + half.y * ahead.x.abs());
+        let (dx, dy) = (x_m - 0.5 * (self.low.x + self.high.x), y_m - 0.5 * (self.low.y + self.high.y));
+        let (half_x, half_y) = (0.5 * (self.high.x - self.low.x), 0.5 * (self.high.y - self.low.y));
+        let along_m = dx * ahead.x + dy * ahead.y + (half_x * ahead.x.abs() + half_y * ahead.y.abs());
+        let across_m = (ahead.x * dy - ahead.y * dx).abs() - (half_x * ahead.y.abs() + half_y * ahead.x.abs());
         // A micrometre for the rounding of the box against that of the law.
         along_m > -1e-6 && across_m < half_width_m + 1e-6
     }
