@@ -34,7 +34,7 @@ pub struct Forecast {
 }
 
 /// What it takes to fly the law for any vehicle of the flock.
-pub struct Crew<'a> {
+pub struct LawContext<'a> {
     pub law: &'a LawSettings,
     pub expected: &'a Expected,
     pub commander: &'a Commander,
@@ -44,7 +44,7 @@ pub struct Crew<'a> {
     pub neighbours_max: usize,
 }
 
-impl Crew<'_> {
+impl LawContext<'_> {
     fn setpoint(&self, state: &State, neighbours: &[Neighbour], weights: [f64; 3]) -> Setpoint {
         command(self.law, self.expected, self.commander, state, neighbours, self.obstacles, weights)
     }
@@ -68,7 +68,7 @@ impl Forecast {
     /// it follows that for the first control period.
     pub fn fly_the_law(
         &mut self,
-        crew: &Crew<'_>,
+        context: &LawContext<'_>,
         states: &[State],
         weights: impl Fn(usize) -> [f64; 3],
         first: impl Fn(usize) -> Option<Setpoint>,
@@ -79,7 +79,7 @@ impl Forecast {
         self.passages.resize(self.instants * states.len(), Passage::default());
         self.now.clear();
         self.now.extend_from_slice(states);
-        let range_m = crew.law.communication_distance_m.max(crew.law.safe_distance_m);
+        let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
         for step in 0..=steps {
             for (vehicle, state) in self.now.iter().enumerate() {
                 self.passages[vehicle * self.instants + 2 * step] = Passage::of(state);
@@ -93,23 +93,30 @@ impl Forecast {
                 let setpoint = match first(vehicle).filter(|_| step == 0) {
                     Some(first) => first,
                     None => {
-                        self.index.nearest(&self.now, vehicle, range_m, crew.neighbours_max, &mut self.found);
+                        self.index.nearest(&self.now, vehicle, range_m, context.neighbours_max, &mut self.found);
                         self.near.clear();
                         self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
-                        crew.setpoint(state, &self.near, weights(vehicle))
+                        context.setpoint(state, &self.near, weights(vehicle))
                     }
                 };
-                let middle = crew.half_period.step(state, &setpoint);
+                let middle = context.half_period.step(state, &setpoint);
                 self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
-                self.next.push(crew.half_period.step(&middle, &setpoint));
+                self.next.push(context.half_period.step(&middle, &setpoint));
             }
             std::mem::swap(&mut self.now, &mut self.next);
         }
     }
 
     /// One vehicle alone changes its mind about its first command; the others fly on as they were to.
-    pub fn fly_again(&mut self, crew: &Crew<'_>, vehicle: usize, start: &State, first: Setpoint, weights: [f64; 3]) {
-        let range_m = crew.law.communication_distance_m.max(crew.law.safe_distance_m);
+    pub fn fly_again(
+        &mut self,
+        context: &LawContext<'_>,
+        vehicle: usize,
+        start: &State,
+        first: Setpoint,
+        weights: [f64; 3],
+    ) {
+        let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
         let (mut state, mut setpoint) = (*start, first);
         for step in 0..self.instants / 2 {
             if step > 0 {
@@ -123,10 +130,10 @@ impl Forecast {
                         });
                     }
                 }
-                setpoint = crew.setpoint(&state, &self.near, weights);
+                setpoint = context.setpoint(&state, &self.near, weights);
             }
-            let middle = crew.half_period.step(&state, &setpoint);
-            state = crew.half_period.step(&middle, &setpoint);
+            let middle = context.half_period.step(&state, &setpoint);
+            state = context.half_period.step(&middle, &setpoint);
             self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
             self.passages[vehicle * self.instants + 2 * step + 2] = Passage::of(&state);
         }

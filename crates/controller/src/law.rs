@@ -18,12 +18,12 @@ pub fn command(
     let position_m = state.position_m();
     let heading = course_vector(state.course_rad);
     let velocity_mps = heading * state.speed_mps;
-    let towards = steering::direction(law, expected, position_m, heading, obstacles);
+    let towards = terms::avoidance_course(law, expected, position_m, heading, obstacles);
     let [alpha_f, alpha_o, alpha_nv] = weights;
     let demand_mps2 = terms::formation(law, position_m, neighbours) * alpha_f
         + terms::collision_avoidance(law, position_m, neighbours)
         + terms::obstacle_avoidance(law, expected.speed_mps, towards, velocity_mps) * alpha_o
-        + terms::neighbour_velocity(law, position_m, velocity_mps, neighbours) * alpha_nv;
+        + terms::velocity_consensus(law, position_m, velocity_mps, neighbours) * alpha_nv;
     let (speed_mps, course_change_rad) = commander.horizontal(demand_mps2, state.speed_mps, heading);
     Setpoint {
         speed_mps,

@@ -3,11 +3,11 @@
 use crate::closest_approach::closest_approach_m;
 use crate::command::Commander;
 use crate::evasion::evade;
-use crate::flights::Flights;
 use crate::forecast::{Forecast, Passage};
 use crate::law::command;
 use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
+use crate::rollout::Rollout;
 use crate::terms::Neighbour;
 use crate::{Decision, FlockSettings, Obstacle, WeightKind, steering};
 use flight_model::{Setpoint, State, course_vector, wrap_pi};
@@ -31,7 +31,7 @@ pub struct Pilot {
     bounds: Vec<Bounds>,
     last_weights: Option<[f64; 3]>,
     sight: Sight,
-    flights: Box<Flights>,
+    rollout: Box<Rollout>,
 }
 
 /// What a vehicle sees at one tick.
@@ -60,7 +60,7 @@ impl Pilot {
             bounds: vec![bounds; dimensions],
             last_weights: None,
             sight: Sight::default(),
-            flights: Box::new(Flights::new()),
+            rollout: Box::new(Rollout::new()),
         })
     }
 
@@ -83,7 +83,7 @@ impl Pilot {
             scene: self.sight.scene(settings, state),
             kind: settings.controller.weights.kind,
             bounds: &self.bounds,
-            flights: &mut self.flights,
+            rollout: &mut self.rollout,
         };
         let choice = pick_weights(self.optimizer.as_mut(), &mut problem, self.last_weights, &mut rng);
         let solve = clock().saturating_sub(started);
@@ -115,7 +115,7 @@ impl Pilot {
     fn evade(&mut self, settings: &FlockSettings, state: State, decision: Decision) -> Decision {
         let present = (decision.setpoint.speed_mps, wrap_pi(decision.setpoint.course_rad - state.course_rad));
         let scene = self.sight.scene(settings, state);
-        let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, &mut self.flights);
+        let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, &mut self.rollout);
         if (evasion.speed_setpoint_mps, evasion.course_change_rad) == present {
             return Decision { feasible: evasion.violation_m <= 0.0, ..decision };
         }
@@ -135,7 +135,7 @@ impl Sight {
             expected: settings.expected,
             obstacles: &self.obstacles,
             close_obstacles: &self.close_obstacles,
-            detected: self.obstacles.iter().any(|obstacle| steering::detects(law, position_m, heading, obstacle)),
+            detected: self.obstacles.iter().any(|obstacle| terms::detects(law, position_m, heading, obstacle)),
             neighbours: &self.passages,
         }
     }

@@ -26,7 +26,7 @@ pub struct PartialSetpoint {
 
 /// Why a setpoint message is not followed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SetpointRefusal {
+pub enum SetpointError {
     /// The coordinate frame is not MAV_FRAME_LOCAL_NED.
     #[error("the coordinate frame {0:?} is not followed")]
     Frame(MavFrame),
@@ -51,11 +51,9 @@ pub fn local_ned_setpoint(time_boot: Duration, target: Target, setpoint: &Setpoi
 ///
 /// Followed are vx with vy, and z, in MAV_FRAME_LOCAL_NED. What a fixed wing behind speed, course and altitude loops
 /// cannot fly (position, vz, acceleration, yaw) is refused and not ignored in silence.
-pub fn setpoint_from_local_ned(
-    target: &SET_POSITION_TARGET_LOCAL_NED_DATA,
-) -> Result<PartialSetpoint, SetpointRefusal> {
+pub fn setpoint_from_local_ned(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Result<PartialSetpoint, SetpointError> {
     if target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
-        return Err(SetpointRefusal::Frame(target.coordinate_frame));
+        return Err(SetpointError::Frame(target.coordinate_frame));
     }
     let mask = target.type_mask;
     let asks = |ignore_bits: PositionTargetTypemask| !mask.contains(ignore_bits);
@@ -66,13 +64,13 @@ pub fn setpoint_from_local_ned(
     let half_a_velocity = mask.intersects(velocity) && asks(velocity);
     let nothing = !asks(velocity) && !asks(altitude);
     if asks(all_else) || half_a_velocity || nothing {
-        return Err(SetpointRefusal::Mask(mask.bits()));
+        return Err(SetpointError::Mask(mask.bits()));
     }
     let partial = PartialSetpoint {
         velocity: asks(velocity).then(|| Vector2::new(target.vx, target.vy).cast()),
         altitude: asks(altitude).then(|| up(target.z)),
     };
-    if partial.is_finite() { Ok(partial) } else { Err(SetpointRefusal::NotFinite) }
+    if partial.is_finite() { Ok(partial) } else { Err(SetpointError::NotFinite) }
 }
 
 /// Exactly what a vehicle makes of [`local_ned_setpoint`]: a run in memory rounds with it, to have the same bits as a
@@ -111,7 +109,7 @@ pub fn guided_commands(
     setpoint: &Setpoint,
     altitude_above_home_m: f64,
     lateral_acceleration_mps2: f64,
-) -> Result<[Message; 3], SetpointRefusal> {
+) -> Result<[Message; 3], SetpointError> {
     let speed_mps = finite_f32(setpoint.speed_mps)?;
     let altitude_m = flyable_altitude_m(finite_f32(altitude_above_home_m)?);
     let course_deg = course_deg(setpoint.course_rad)?;
@@ -155,13 +153,13 @@ fn local_ned_data(time_boot_ms: u32, target: Target, setpoint: &Setpoint) -> SET
     }
 }
 
-fn finite_f32(value: f64) -> Result<f32, SetpointRefusal> {
+fn finite_f32(value: f64) -> Result<f32, SetpointError> {
     let value = value as f32;
-    if value.is_finite() { Ok(value) } else { Err(SetpointRefusal::NotFinite) }
+    if value.is_finite() { Ok(value) } else { Err(SetpointError::NotFinite) }
 }
 
 /// Degrees in [0, 360).
-fn course_deg(course_rad: f64) -> Result<f32, SetpointRefusal> {
+fn course_deg(course_rad: f64) -> Result<f32, SetpointError> {
     let turn = course_rad / std::f64::consts::TAU;
     let degrees = finite_f32((turn - turn.floor()) * 360.0)?;
     Ok(if degrees >= 360.0 { 0.0 } else { degrees })
@@ -236,7 +234,7 @@ mod tests {
         assert_eq!(read(0x0DFB), Ok(PartialSetpoint { velocity: None, altitude }));
         // vz, position, acceleration, yaw, yaw rate, one of vx and vy, nothing.
         for mask in [0x0DC7, 0x0DE0, 0x0C23, 0x09E3, 0x05E3, 0x0DEB, 0x0DF3, 0x0DFF, 0x0000] {
-            assert_eq!(read(mask), Err(SetpointRefusal::Mask(mask)), "{mask:#06x}");
+            assert_eq!(read(mask), Err(SetpointError::Mask(mask)), "{mask:#06x}");
         }
     }
 
@@ -244,7 +242,7 @@ mod tests {
     fn other_frames_are_refused() {
         let mut data = data(&Setpoint::default());
         data.coordinate_frame = MavFrame::MAV_FRAME_BODY_FRD;
-        let refused = Err(SetpointRefusal::Frame(MavFrame::MAV_FRAME_BODY_FRD));
+        let refused = Err(SetpointError::Frame(MavFrame::MAV_FRAME_BODY_FRD));
         assert_eq!(setpoint_from_local_ned(&data), refused);
     }
 
@@ -252,7 +250,7 @@ mod tests {
     fn only_fields_that_are_asked_for_must_be_finite() {
         for (speed_mps, course_rad, altitude_m) in [(f64::NAN, 0.0, 0.0), (5.0, f64::NAN, 0.0), (5.0, 0.0, 1e300)] {
             let data = data(&Setpoint { speed_mps, course_rad, altitude_m });
-            assert_eq!(setpoint_from_local_ned(&data), Err(SetpointRefusal::NotFinite));
+            assert_eq!(setpoint_from_local_ned(&data), Err(SetpointError::NotFinite));
         }
         let mut data = data(&Setpoint { speed_mps: 5.0, course_rad: 0.0, altitude_m: 50.0 });
         (data.x, data.vz, data.yaw) = (f32::NAN, f32::INFINITY, f32::NAN);
@@ -291,7 +289,7 @@ mod tests {
             (12.0, 0.0, 50.0, f64::NAN),
         ] {
             let refused = guided_commands(TARGET, &Setpoint { speed_mps, course_rad, ..good }, altitude_m, lateral);
-            assert_eq!(refused, Err(SetpointRefusal::NotFinite));
+            assert_eq!(refused, Err(SetpointError::NotFinite));
         }
     }
 

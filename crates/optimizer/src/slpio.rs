@@ -4,8 +4,8 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use crate::factors;
-use crate::flock::{ParetoFlock, mean};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
+use crate::pareto_flock::{ParetoFlock, mean};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
 use crate::settings::{self, check_settings};

@@ -87,7 +87,7 @@ impl RealTime {
     /// Warns of vehicles that have become silent.
     fn watch_silence(&mut self) {
         let now = self.ground.now();
-        for (vehicle, (craft, warned)) in self.ground.fleet().crafts().iter().zip(&mut self.silent).enumerate() {
+        for (vehicle, (craft, warned)) in self.ground.fleet().vehicles().iter().zip(&mut self.silent).enumerate() {
             let silent = craft.last_heard.is_none_or(|heard| now.saturating_sub(heard) > SILENCE);
             if silent && !*warned {
                 tracing::warn!(vehicle = vehicle + 1, "no telemetry for {} s", SILENCE.as_secs());
@@ -99,7 +99,7 @@ impl RealTime {
     /// Takes over where all vehicles are at this moment.
     fn see(&mut self) {
         let now = self.ground.now();
-        for (state, craft) in self.states.iter_mut().zip(self.ground.fleet().crafts()) {
+        for (state, craft) in self.states.iter_mut().zip(self.ground.fleet().vehicles()) {
             if let Some(position) = craft.position {
                 *state = carry_forward(&position, now, self.speed);
             }

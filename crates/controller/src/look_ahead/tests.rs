@@ -139,16 +139,16 @@ proptest! {
         forecast.extrapolate(&others, settings.steps(PERIOD_S), PERIOD_S);
         let neighbours: Vec<Passage> = (0..others.len()).flat_map(|i| forecast.vehicle(i).to_vec()).collect();
         let heading = course_vector(state.course_rad);
-        let detected = obstacles.iter().any(|o| steering::detects(&law, state.position_m(), heading, o));
+        let detected = obstacles.iter().any(|o| terms::detects(&law, state.position_m(), heading, o));
         let scene = Scene {
             state, expected: EXPECTED, obstacles: &obstacles, close_obstacles: &obstacles, detected, neighbours: &neighbours,
         };
         let columns: Vec<f64> = (0..3).flat_map(|term| weights.iter().map(move |row| row[term])).collect();
         let (mut costs, mut violations) = (vec![0.0; 2 * weights.len()], vec![0.0; weights.len()]);
         let bounds = [Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0)];
-        let mut flights = Box::new(Flights::new());
+        let mut rollout = Box::new(Rollout::new());
         let mut problem = WeightProblem {
-            look_ahead: &look_ahead, scene: scene.clone(), kind: WeightKind::PerTerm, bounds: &bounds, flights: &mut flights,
+            look_ahead: &look_ahead, scene: scene.clone(), kind: WeightKind::PerTerm, bounds: &bounds, rollout: &mut rollout,
         };
         problem.evaluate(
             &Candidates::new(&columns, weights.len()),

@@ -9,7 +9,7 @@
 use crate::command::Commander;
 use crate::forecast::Passage;
 use crate::polynomial::{ln, sincos};
-use crate::steering::half_angle;
+use crate::terms::half_angle;
 use crate::{Expected, LawSettings, Obstacle, ObstacleRule};
 use flight_model::State;
 use nalgebra::Vector2;
@@ -74,7 +74,7 @@ impl Extent {
 }
 
 /// The vehicles of a batch, one for each pigeon, and what the law has summed up for them so far.
-pub struct Flights {
+pub struct Rollout {
     /// Pigeons in the batch, rounded up to full vectors: the last ones are computed and never read.
     pub count: usize,
     x: Each,
@@ -107,7 +107,7 @@ pub struct Flights {
     pub violation_m: Each,
 }
 
-impl Flights {
+impl Rollout {
     pub const fn new() -> Self {
         const ZERO: Each = [0.0; BATCH];
         Self {

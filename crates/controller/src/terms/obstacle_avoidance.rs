@@ -1,7 +1,17 @@
-//! The desired avoidance course delta of Eq. 7 (reading 8).
+//! Eq. 7: the obstacle avoidance term and its desired avoidance course delta (reading 8).
 
 use crate::{Expected, LawSettings, Obstacle, ObstacleRule};
 use nalgebra::Vector2;
+
+/// Eq. 7 without its weight: C_o (V_e (cos delta, sin delta) - v_i), `towards` being the unit vector along delta.
+pub fn obstacle_avoidance(
+    law: &LawSettings,
+    expected_speed_mps: f64,
+    towards: Vector2<f64>,
+    velocity_mps: Vector2<f64>,
+) -> Vector2<f64> {
+    (towards * expected_speed_mps - velocity_mps) * law.obstacle_gain
+}
 
 /// Whether a vehicle perceives an obstacle: its edge within the perception distance, and some of it in the half plane
 /// ahead of the vehicle (the paper's field of view of 180 degrees).
@@ -12,7 +22,7 @@ pub fn detects(law: &LawSettings, position_m: Vector2<f64>, heading: Vector2<f64
 
 /// The unit vector along delta: towards the tangent point of the steering obstacle that needs the smaller turn, or the
 /// expected course where no obstacle steers. `heading` is the unit vector along the vehicle's course.
-pub fn direction(
+pub fn avoidance_course(
     law: &LawSettings,
     expected: &Expected,
     position_m: Vector2<f64>,
