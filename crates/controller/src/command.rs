@@ -1,4 +1,4 @@
-//! Eq. 2: from the control demand to the inputs of the three autopilots, bounded by what they can fly.
+//! Eq. 2: from the control demand to the setpoints of the three autopilots, bounded by what they can fly.
 
 use crate::polynomial::SINCOS_RANGE_RAD;
 use crate::{AltitudeLaw, LawSettings, terms};

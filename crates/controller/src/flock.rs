@@ -1,4 +1,4 @@
-//! The flock's tick: Algorithm 2 for every vehicle at once.
+//! Algorithm 2: the flock's tick, for every vehicle at once.
 
 use crate::command::Commander;
 use crate::forecast::{Forecast, LawContext};

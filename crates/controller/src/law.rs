@@ -1,4 +1,4 @@
-//! The flocking law as a whole, for one vehicle: Eq. 4 sums the terms up, Eq. 2 makes a command of the sum.
+//! Eq. 4: the flocking law as a whole, for one vehicle. It sums up the terms; Eq. 2 makes a command of the sum.
 
 use crate::command::Commander;
 use crate::terms::Neighbour;

@@ -1,7 +1,8 @@
-//! A generation's pigeons in flight: one array for each quantity, one plain loop for each part of the law.
+//! The rollout of a generation: its pigeons fly the law (Eq. 4-8) and collect the costs (Eq. 11 and Eq. 12), one array for each
+//! quantity, one plain loop for each part of the law.
 //!
 //! Every loop runs over the pigeons and does the same to each without a branch or a call, so the compiler vectorises it.
-//! `terms.rs` and `steering.rs` say the same for one vehicle as one reads it; the tests hold the two together.
+//! `terms/mod.rs` says the same for one vehicle as one reads it; the tests of `look_ahead/mod.rs` hold the two together.
 
 // One index runs over a dozen columns at once.
 #![allow(clippy::needless_range_loop)]

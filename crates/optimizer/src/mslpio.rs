@@ -1,4 +1,4 @@
-//! Multi-objective social learning pigeon-inspired optimisation: Algorithm 1, Eq. 13 and 16-18 of Ruan and Duan.
+//! Algorithm 1 and Eq. 18 of Ruan and Duan: multi-objective social learning pigeon-inspired optimisation (MSLPIO).
 
 use rand::RngExt;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Social learning pigeon-inspired optimisation of one objective, in two stages: Eq. 13-15 of Ruan and Duan.
+//! Eq. 14 and Eq. 15 of Ruan and Duan: social learning pigeon-inspired optimisation (SL-PIO) of one objective, in two stages.
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};

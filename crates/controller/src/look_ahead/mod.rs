@@ -1,4 +1,5 @@
-//! The predicted flight of one vehicle for every choice of weights of a generation (reading 11).
+//! Eq. 11 and Eq. 12: the predicted flight of one vehicle for every choice of weights of a generation (reading 11), and what it
+//! costs.
 //!
 //! From the present state the flocking law is applied again at every control period, the vehicle flying the exact
 //! discretisation of Eq. 1, while the neighbours follow their forecast. On the way the flight collects the costs of

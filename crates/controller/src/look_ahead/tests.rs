@@ -1,4 +1,4 @@
-//! The batch of pigeons against one vehicle at a time: the law as `terms.rs` and `steering.rs` have it, flown by the
+//! The batch of pigeons against one vehicle at a time: the law as `terms/mod.rs` has it, flown by the
 //! vehicle model, with costs summed up as one reads Eq. 11 and 12.
 
 use super::*;
