@@ -2,7 +2,7 @@
 
 use crate::command::Commander;
 use crate::terms::Neighbour;
-use crate::{Expected, LawSettings, Obstacle, steering, terms};
+use crate::{Expected, LawSettings, Obstacle, terms};
 use flight_model::{Setpoint, State, course_vector, wrap_pi};
 
 /// The setpoint of one vehicle: Eq. 4 with given weights (alpha_f, alpha_o, alpha_nv), then Eq. 2.

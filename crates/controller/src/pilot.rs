@@ -9,7 +9,7 @@ use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
 use crate::rollout::Rollout;
 use crate::terms::Neighbour;
-use crate::{Decision, FlockSettings, Obstacle, WeightKind, steering};
+use crate::{Decision, FlockSettings, Obstacle, WeightKind, terms};
 use flight_model::{Setpoint, State, course_vector, wrap_pi};
 use optimizer::selection::nearest_to_ideal;
 use optimizer::{Bounds, Optimizer, SettingsError, Stream, stream};

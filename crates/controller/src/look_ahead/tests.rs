@@ -5,7 +5,7 @@ use super::*;
 use crate::closest_approach::closest_approach_m;
 use crate::law::command;
 use crate::terms::Neighbour;
-use crate::{AltitudeLaw, steering};
+use crate::{AltitudeLaw, terms};
 use flight_model::{Autopilot, course_vector};
 use nalgebra::Vector2;
 use proptest::prelude::*;
