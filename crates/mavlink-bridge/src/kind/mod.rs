@@ -143,6 +143,7 @@ pub struct Seen {
 
 /// The next thing that a take-off needs.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // a message lives for a moment, and one at a time
 pub enum Launch {
     /// This command, until what is seen says that it was followed.
     Send(Message),
