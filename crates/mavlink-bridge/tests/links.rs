@@ -6,12 +6,14 @@ use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::time::{Duration, Instant};
 
+#[allow(clippy::expect_used)]
 fn spec(connection: &str) -> LinkSpec {
     let connection = connection.parse().expect("a connection string");
     LinkSpec { connection, calls: Vec::new(), impairment: ImpairmentSettings::default(), seed: 1 }
 }
 
 /// The next event that `wanted` takes.
+#[allow(clippy::panic)] // a test's helper
 fn wait<T>(links: &mut Links, wanted: impl Fn(&LinkEvent) -> Option<T>) -> T {
     let deadline = Instant::now() + Duration::from_secs(20);
     while Instant::now() < deadline {
