@@ -137,7 +137,7 @@ impl GroundStation {
         for message in messages {
             self.encoder.encode(message, &mut self.written);
         }
-        if let Some(address) = self.fleet.vehicles().get(vehicle).and_then(|craft| craft.address) {
+        if let Some(address) = self.fleet.vehicles().get(vehicle).and_then(|vehicle| vehicle.address) {
             self.link.send_to(&self.written, address).await;
             self.log.datagram(at_us, &self.written);
         }
@@ -146,7 +146,7 @@ impl GroundStation {
 
     /// Sends a datagram again.
     pub async fn send_again(&mut self, vehicle: usize, datagram: &[u8], at_us: u64) {
-        if let Some(address) = self.fleet.vehicles().get(vehicle).and_then(|craft| craft.address) {
+        if let Some(address) = self.fleet.vehicles().get(vehicle).and_then(|vehicle| vehicle.address) {
             self.link.send_to(datagram, address).await;
             self.log.datagram(at_us, datagram);
         }
@@ -154,7 +154,7 @@ impl GroundStation {
 
     /// Whom a message to this vehicle names; everybody where it is not known.
     pub fn target(&self, vehicle: usize) -> Target {
-        self.fleet.vehicles().get(vehicle).map_or_else(Target::default, |craft| craft.target)
+        self.fleet.vehicles().get(vehicle).map_or_else(Target::default, |vehicle| vehicle.target)
     }
 
     /// Waits until every vehicle has said where it is, then sees to it that all are armed and in GUIDED.
@@ -175,8 +175,8 @@ impl GroundStation {
         let mut known = usize::MAX;
         loop {
             let silent = |ground: &Self| -> Vec<usize> {
-                let crafts = ground.fleet.vehicles().iter().enumerate();
-                crafts.filter(|(_, craft)| craft.position.is_none()).map(|(index, _)| index).collect()
+                let vehicles = ground.fleet.vehicles().iter().enumerate();
+                vehicles.filter(|(_, vehicle)| vehicle.position.is_none()).map(|(index, _)| index).collect()
             };
             let missing = silent(self);
             if missing.len() != known {

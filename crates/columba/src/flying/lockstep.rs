@@ -38,9 +38,9 @@ impl Lockstep {
     async fn gather(&mut self, time: Duration) -> Result<(), FlightError> {
         let time_ms = boot_ms(time);
         let mut news = Vec::new();
-        let crafts = self.ground.fleet().vehicles().iter();
+        let vehicles = self.ground.fleet().vehicles().iter();
         let mut behind: Vec<bool> =
-            crafts.map(|craft| craft.position.map(|at| at.time_boot_ms) != Some(time_ms)).collect();
+            vehicles.map(|vehicle| vehicle.position.map(|at| at.time_boot_ms) != Some(time_ms)).collect();
         let mut missing = behind.iter().filter(|behind| **behind).count();
         let mut deadline = Instant::now() + PATIENCE;
         while missing > 0 {
@@ -69,7 +69,8 @@ impl Lockstep {
         }
         self.now = time;
         self.states.clear();
-        self.states.extend(self.ground.fleet().vehicles().iter().filter_map(|craft| craft.position.map(|at| at.state)));
+        self.states
+            .extend(self.ground.fleet().vehicles().iter().filter_map(|vehicle| vehicle.position.map(|at| at.state)));
         Ok(())
     }
 }
