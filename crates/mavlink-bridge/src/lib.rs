@@ -43,7 +43,7 @@ pub mod udp;
 
 pub use ardupilot::{ArduPilotMessage, ekf_status_report, wind};
 pub use command::{CommandKind, RawCommand, raw_command};
-pub use counters::{Counters, SequenceTracker};
+pub use counters::{Counters, Order, SequenceTracker};
 pub use datagram::{Frames, frames, messages};
 pub use dialect::{Message, Target};
 pub use encoder::Encoder;

@@ -132,7 +132,7 @@ impl Lockstep {
                 deadline = tokio::time::Instant::now() + PATIENCE;
             } else if !self.datagrams[vehicle].is_empty() {
                 let datagram = std::mem::take(&mut self.datagrams[vehicle]);
-                ground.send_again(vehicle, &datagram, self.at_us()).await;
+                ground.send_again(vehicle, &datagram).await;
                 self.datagrams[vehicle] = datagram;
             }
         }
