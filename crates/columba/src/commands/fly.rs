@@ -27,7 +27,7 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     let (folder, flight, log) = block_on(async {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
         let mut ground = Ground::bind(&scenario, address).map_err(|error| ground_port_refused(&scenario, error))?;
-        let folder = open_folder(&scenario)?;
+        let folder = open_folder(&scenario, &args.flight)?;
         ground.expect(scenario.starts.len(), addresses.as_deref());
         let (flight, log) = if args.lockstep {
             flying::fly_in_lockstep(&scenario, ground, None, &progress, stop).await

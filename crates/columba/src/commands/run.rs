@@ -28,11 +28,11 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
     let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
     let (folder, flight, log) = match args.transport {
         Transport::Memory => {
-            let folder = open_folder(&scenario)?;
+            let folder = open_folder(&scenario, &args.flight)?;
             (folder, flying::fly_in_memory(&scenario, &progress, &stop)?, None)
         }
         Transport::Udp => {
-            let (folder, flight, log) = over_udp(&scenario, args.speed, &progress, stop)?;
+            let (folder, flight, log) = over_udp(&scenario, args, &progress, stop)?;
             (folder, flight, Some(log))
         }
     };
@@ -43,10 +43,11 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
 /// The vehicles on a thread of their own, the controller on this one.
 fn over_udp(
     scenario: &Scenario,
-    speed: Option<f64>,
+    args: &RunArgs,
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Log)> {
+    let speed = args.speed;
     allow_ports(scenario)?;
     block_on(async {
         let mut ground =
@@ -71,7 +72,7 @@ fn over_udp(
         let flown = match addresses.await {
             Ok(addresses) => {
                 ground.expect(addresses.len(), Some(&addresses));
-                Ok(fly(scenario, ground, truth, speed, progress, stop).await)
+                Ok(fly(scenario, args, ground, truth, progress, stop).await)
             }
             Err(never_sent) => Err(never_sent),
         };
@@ -88,14 +89,14 @@ fn over_udp(
 
 async fn fly(
     scenario: &Scenario,
+    args: &RunArgs,
     ground: Ground,
     truth: Truth,
-    speed: Option<f64>,
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Log)> {
-    let folder = open_folder(scenario)?;
-    let (flight, log) = match speed {
+    let folder = open_folder(scenario, &args.flight)?;
+    let (flight, log) = match args.speed {
         None => flying::fly_in_lockstep(scenario, ground, Some(truth), progress, stop).await,
         Some(speed) => flying::fly_in_real_time(scenario, ground, Some(truth), Pace { speed }, progress, stop).await,
     }?;

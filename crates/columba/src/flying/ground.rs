@@ -5,7 +5,8 @@ use crate::config::Scenario;
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{
-    Counters, Encoder, Fleet, Identity, LinkError, LinkSettings, News, Order, SequenceTracker, Target, UdpLink, messages,
+    Counters, Encoder, Fleet, Identity, LinkError, LinkSettings, News, Order, SequenceTracker, Target, UdpLink,
+    messages,
 };
 use std::collections::HashMap;
 use std::net::SocketAddr;
