@@ -82,27 +82,29 @@ class Shell:
         )  # fmt: skip
 
     def run(self, line):
-        """Runs a line to its end, or ends it with Ctrl-C; gives what it printed and its status."""
+        """Runs a line to its end, or ends it with Ctrl-C; gives what it printed, its status, and whether it was ended."""
         words = line.split()
         patience_s = PATIENCE_S.get(words[1] if words[0] == "columba" else "", ENDS_S)
         if "--speed" in words:
             patience_s = 3
         until = time.monotonic() + BUSY_PATIENCE_S
         while True:
-            done = self.start(line)
+            done, ended = self.start(line), False
             try:
                 out, err = done.communicate(timeout=patience_s)
             except subprocess.TimeoutExpired:
+                ended = True
                 done.send_signal(signal.SIGINT)
                 out, err = done.communicate(timeout=ENDS_S)
             if "busy" not in err or time.monotonic() > until:
-                return out, err, done.returncode
+                return out, err, done.returncode, ended
             time.sleep(0.5)
 
     def check(self, line):
         """Runs a line, and expects success, or a Ctrl-C that was understood."""
-        out, err, status = self.run(line)
-        assert status == 0 or (status == 1 and "interrupted" in err), f"{line}: status {status}\n{out}\n{err}"
+        out, err, status, ended = self.run(line)
+        understood = (status == 1 and "interrupted" in err) or status == -signal.SIGINT
+        assert status == 0 or (ended and understood), f"{line}: status {status}\n{out}\n{err}"
         return out
 
 
@@ -112,11 +114,13 @@ def shell(clone, program):
 
 
 def test_the_papers_flight(shell):
-    said = [shell.check(line) for line in commands(block(section(README, "### Fly the paper's flight"), "sh"))]
-    # The page names the folders.
+    *good, literal = commands(block(section(README, "### Fly the paper's flight"), "sh"))
+    said = [shell.check(line) for line in good]
+    # The page names the folders, and how the last flight ends.
     assert "report: runs/paper/report.html" in said[0] and "report: runs/second/report.html" in said[1]
-    assert "report: runs/paper-2/report.html" in said[2]
-    assert "runs/paper is not empty and was kept" in said[2]
+    out, err, status, _ = shell.run(literal)
+    assert status == 1 and "entered obstacle" in err
+    assert "report: runs/paper-2/report.html" in out and "runs/paper is not empty and was kept" in out
 
 
 def test_watching_in_real_time(shell):
@@ -162,7 +166,7 @@ def test_the_script_steers_a_vehicle(start_vehicles, tmp_path):
 
 
 def test_vehicles_of_every_kind_start(shell):
-    (shell.folder / "places.txt").write_text("one=39.98,116.34,50,0\ntwo=39.98,116.35,50,90\n")
+    (shell.folder / "places.txt").write_text("1=39.98,116.34,50,0\n2=39.98,116.35,50,90\n")
     for line in commands(block(section(README, "### Vehicles for a controller of your own"), "sh")):
         shell.check(line)
 
@@ -191,7 +195,7 @@ def test_the_plugins_page(shell):
         (shell.folder / "my/tests" / name).unlink()
     shutil.copytree(PROJECT / "tests/plugin", shell.folder / "plugin", ignore=shutil.ignore_patterns("build", "*.egg-info", "__pycache__"))
     site = shell.folder / "site"
-    out, err, status = shell.run(pip.replace("./tests/plugin", f"./plugin --no-deps --target {site}"))
+    out, err, status, _ = shell.run(pip.replace("./tests/plugin", f"./plugin --no-deps --target {site}"))
     if status and "setuptools" in err:
         pytest.skip(f"pip cannot build the plugin here, for want of setuptools or a network: {err.splitlines()[-1]}")
     assert status == 0, f"{out}\n{err}"
