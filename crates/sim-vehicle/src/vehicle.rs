@@ -1,38 +1,30 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
-use crate::failsafe::Failsafes;
-use crate::fence::Fence;
-use crate::flight::Flight;
-use crate::life::Life;
+use crate::autopilot::failsafe::Failsafes;
+use crate::autopilot::fence::Fence;
+use crate::autopilot::flight::Flight;
+use crate::autopilot::manual_control::Channels;
+use crate::autopilot::mission::{Mission, Progress};
+use crate::autopilot::rally::Rally;
+use crate::counters::VehicleCounters;
+use crate::firmware::Personality;
+use crate::firmware::px4;
+use crate::host::system_ids::SystemIds;
 use crate::links::Links;
+use crate::links::PeerId;
+use crate::links::Transmit;
 use crate::lockstep::Lockstep;
-use crate::mission::{Mission, Progress};
-use crate::parameters::{Listings, Pace, Parameter, ParameterRefused, Parameters, SystemIds};
-use crate::personality::px4;
-use crate::plans::{PlanKind, Uploads};
-use crate::rally::Rally;
-use crate::services::target_system;
-use crate::sticks::Channels;
-use crate::streams::Stream;
-use crate::{LockstepSettings, Mode, Personality, SettingsError, VehicleCounters, VehicleSettings};
+use crate::mode::Mode;
+use crate::parameters::{Parameter, ParameterRefused, Parameters};
+use crate::protocol::mission::{PlanKind, Uploads};
+use crate::protocol::parameter::{Listings, Pace};
+use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
+use crate::telemetry::streams::Stream;
+use crate::world::World;
 use flight_model::{Setpoint, State};
-use mavlink_bridge::dialect::Message;
-use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
-use std::net::SocketAddr;
+use mavlink_bridge::{Counters, Incoming, SetpointRefusal, incoming};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// Who a datagram came from or goes to.
-pub type PeerId = SocketAddr;
-
-/// A datagram to send.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Transmit {
-    /// To whom.
-    pub to: PeerId,
-    /// Whole MAVLink frames, at most 1200 bytes.
-    pub datagram: Vec<u8>,
-}
 
 /// One simulated autopilot that speaks MAVLink as ArduPlane does.
 ///
@@ -60,7 +52,7 @@ pub struct Vehicle {
     pub(crate) lockstep: Option<Lockstep>,
     pub(crate) host_now: Duration,
     pub(crate) failsafes: Failsafes,
-    pub(crate) life: Life,
+    pub(crate) world: World,
     pub(crate) parameters: Parameters,
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
@@ -119,7 +111,7 @@ impl Vehicle {
     fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
         let parameters = Parameters::new(&settings);
         let mut vehicle = Self {
-            life: Life::new(&settings, &parameters),
+            world: World::new(&settings, &parameters),
             flight: Flight::new(&settings),
             links: Links::new(&settings),
             time: Duration::ZERO,
@@ -191,35 +183,28 @@ impl Vehicle {
     /// Takes a datagram that came from a peer at host time `now`. What cannot be read is counted and has no effect.
     pub fn handle(&mut self, now: Duration, datagram: &[u8], from: PeerId) {
         let mut wire = self.wire;
-        for (frame, message) in messages(datagram, &mut wire) {
-            self.handle_frame(now, &frame, &message, from);
+        for request in incoming(datagram, &mut wire) {
+            self.handle_incoming(now, &request, from);
         }
         self.wire = wire;
     }
 
-    /// Takes one frame, read already; for hosts that serve many vehicles on one port.
-    pub fn handle_frame(
-        &mut self,
-        now: Duration,
-        frame: &Frame<'_>,
-        message: &Result<Message, FrameError>,
-        from: PeerId,
-    ) {
+    /// Takes one frame, decoded already; for hosts that serve many vehicles on one port.
+    pub fn handle_incoming(&mut self, now: Duration, incoming: &Incoming, from: PeerId) {
         self.note_host_time(now);
-        let Some(target) = target_system(frame, message) else { return };
-        let ours = target == 0 || target == self.settings.system_id;
+        let ours = [0, self.settings.system_id].contains(&incoming.target.system_id);
         // A companion computer has our system id and a component id of its own: it is heard.
-        let from_ourselves = frame.header.system_id == self.settings.system_id
-            && frame.header.component_id == self.settings.component_id;
+        let from_ourselves = incoming.header.system_id == self.settings.system_id
+            && incoming.header.component_id == self.settings.component_id;
         if !ours || from_ourselves {
             self.counters.frames_for_others += 1;
             return;
         }
-        let (link, is_new) = self.links.hear(from, frame.header.version, self.host_now, self.time);
+        let (link, is_new) = self.links.hear(from, incoming.header.version, self.host_now, self.time);
         if is_new {
             self.announce(link);
         }
-        self.serve(link, frame, message);
+        self.serve(link, incoming);
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.

@@ -2,7 +2,7 @@
 //! before anything flies.
 
 use super::{ParameterRefused, Parameters};
-use crate::VehicleSettings;
+use crate::settings::VehicleSettings;
 
 /// A parameter that a vehicle does not take at the start.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,20 +4,14 @@
 
 mod check;
 pub(crate) mod file;
-mod hash;
-mod ids;
-mod pace;
-mod service;
 mod table;
 
 pub use check::{ParameterFault, check_parameters};
-pub(crate) use ids::SystemIds;
-pub(crate) use pace::Pace;
-pub(crate) use service::Listings;
 pub(crate) use table::{Effect, Parameter};
 
-use crate::flight::Tuning;
-use crate::{Personality, VehicleSettings};
+use crate::autopilot::flight::Tuning;
+use crate::firmware::Personality;
+use crate::settings::VehicleSettings;
 use mavlink_bridge::dialect::MavParamType;
 
 /// Why a value is not taken.

@@ -1,0 +1,46 @@
+//! PX4's checksum of all parameters, by which a ground station knows whether those that it has kept are still right
+//! (`param_hash_check` of PX4's parameters.cpp).
+
+use crate::parameters::{Parameter, Parameters};
+
+/// The name under which it is asked for.
+pub(super) const NAME: &str = "_HASH_CHECK";
+
+/// CRC-32 over name and value of each parameter in the order of their names, without the inversions at both ends. What
+/// changes by itself is left out.
+pub(super) fn of(parameters: &Parameters) -> u32 {
+    let mut kept: Vec<Parameter> = parameters.list().iter().copied().filter(|one| !one.is_read_only()).collect();
+    kept.sort_unstable_by_key(|parameter| parameters.name(*parameter));
+    let mut crc = crc32fast::Hasher::new_with_initial(!0);
+    for parameter in kept {
+        crc.update(parameters.name(parameter).as_bytes());
+        crc.update(&parameters.to_wire(parameter, parameters.get(parameter)).to_le_bytes());
+    }
+    !crc.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::firmware::Personality;
+    use crate::settings::VehicleSettings;
+
+    /// As PX4 has it, bit by bit.
+    fn crc32part(bytes: &[u8], crc: u32) -> u32 {
+        bytes.iter().fold(crc, |crc, byte| {
+            (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 })
+        })
+    }
+
+    #[test]
+    fn it_is_the_crc_of_px4() {
+        let parameters = Parameters::new(&VehicleSettings { personality: Personality::Px4, ..Default::default() });
+        let mut names: Vec<_> = parameters.list().iter().filter(|one| !one.is_read_only()).copied().collect();
+        names.sort_by_key(|one| parameters.name(*one));
+        let expected = names.into_iter().fold(0, |crc, one| {
+            let value = parameters.to_wire(one, parameters.get(one)).to_bits().to_le_bytes();
+            crc32part(&value, crc32part(parameters.name(one).as_bytes(), crc))
+        });
+        assert_eq!(of(&parameters), expected);
+    }
+}
