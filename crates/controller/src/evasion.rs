@@ -24,8 +24,8 @@ pub struct Evasion {
     pub violation_m: f64,
 }
 
-/// The command that falls short of the constraints least: the present one (speed setpoint, course change), or the mildest
-/// of the grid that is better.
+/// The command that falls short of the constraints least: the present one (speed setpoint, course change), or the
+/// mildest of the grid that is better.
 pub fn evade(
     look_ahead: &LookAhead,
     commander: &Commander,

@@ -64,8 +64,8 @@ impl Forecast {
         }
     }
 
-    /// Every vehicle flies the flocking law with its `weights`, all at once. Where a vehicle has a `first` command already,
-    /// it follows that for the first control period.
+    /// Every vehicle flies the flocking law with its `weights`, all at once. Where a vehicle has a `first` command
+    /// already, it follows that for the first control period.
     pub fn fly_the_law(
         &mut self,
         context: &LawContext<'_>,

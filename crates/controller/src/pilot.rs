@@ -1,4 +1,5 @@
-//! Algorithm 2, lines 4 to 6: one vehicle's part of a tick: what it sees, the weights that the optimiser picks for it, and the command that follows.
+//! Algorithm 2, lines 4 to 6: one vehicle's part of a tick: what it sees, the weights that the optimiser picks for it,
+//! and the command that follows.
 
 use crate::closest_approach::closest_approach_m;
 use crate::command::Commander;

@@ -1,4 +1,5 @@
-//! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as default.
+//! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as
+//! default.
 
 use serde::{Deserialize, Serialize};
 
@@ -40,13 +41,14 @@ pub struct LawSettings {
     pub perception_distance_m: f64,
     /// Which perceived obstacle steers (reading 8).
     pub obstacle_rule: ObstacleRule,
-    /// The steering obstacle's radius is inflated by this much (reading 8: 3 m; half of that flies smoother and closer, and the
-    /// clearance constraint of the look-ahead is what keeps vehicles off).
+    /// The steering obstacle's radius is inflated by this much (reading 8: 3 m; half of that flies smoother and closer,
+    /// and the clearance constraint of the look-ahead is what keeps vehicles off).
     pub obstacle_margin_m: f64,
     /// l of Eq. 12.
     pub influence_factor: f64,
-    /// How many metres of progress a deviation of 1 m/s from the expected velocity is worth in Eq. 11 while obstacles are in sight.
-    /// The paper counts progress alone, 0; then whoever is fast and far aside is as good as who holds the course.
+    /// How many metres of progress a deviation of 1 m/s from the expected velocity is worth in Eq. 11 while obstacles
+    /// are in sight. The paper counts progress alone, 0; then whoever is fast and far aside is as good as who holds the
+    /// course.
     pub velocity_cost_s: f64,
     /// How altitude is commanded (reading 5).
     pub altitude_law: AltitudeLaw,
@@ -80,8 +82,8 @@ pub enum AltitudeLaw {
 pub struct WeightSettings {
     /// One alpha for all three terms, or one for each.
     pub kind: WeightKind,
-    /// Least alpha. Above zero the law never lets go altogether: with an alpha_o of zero a vehicle past its obstacle drifts
-    /// on where it happens to point (docs/reading.md has the figures).
+    /// Least alpha. Above zero the law never lets go altogether: with an alpha_o of zero a vehicle past its obstacle
+    /// drifts on where it happens to point (docs/reading.md has the figures).
     pub min: f64,
     /// Greatest alpha.
     pub max: f64,
@@ -120,8 +122,8 @@ pub struct LookAheadSettings {
     pub separation_m: f64,
     /// Least distance to any obstacle's edge that satisfies the clearance constraint, m.
     pub clearance_m: f64,
-    /// Whether all commands are looked at together before they go out, and those that lead too near to something changed
-    /// for others that the law would not give (beyond the paper; docs/reading.md has the figures).
+    /// Whether all commands are looked at together before they go out, and those that lead too near to something
+    /// changed for others that the law would not give (beyond the paper; docs/reading.md has the figures).
     pub evasion: bool,
     /// At most this many neighbours, the nearest, enter a prediction.
     pub neighbours_max: usize,

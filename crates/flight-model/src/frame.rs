@@ -14,8 +14,8 @@ pub struct Geodetic {
 /// A local frame whose X points north and Y east from an origin, altitude counted from the origin upwards.
 ///
 /// North and east are lengths along the ellipsoid, scaled by its radii of curvature at the mean latitude of the origin
-/// and the point, as autopilots do for the short ranges of a flight: within 10 km the distance between two points agrees
-/// with the geodesic to a few parts in a million. It does not work at the poles.
+/// and the point, as autopilots do for the short ranges of a flight: within 10 km the distance between two points
+/// agrees with the geodesic to a few parts in a million. It does not work at the poles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalFrame {
     origin: Geodetic,

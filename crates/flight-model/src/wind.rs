@@ -81,7 +81,8 @@ impl State {
         self.with_velocity(self.velocity_mps() - wind.horizontal_mps())
     }
 
-    /// What [`in_air`](Self::in_air) of the same wind makes this: speed and course over ground from airspeed and heading.
+    /// What [`in_air`](Self::in_air) of the same wind makes this: speed and course over ground from airspeed and
+    /// heading.
     pub fn over_ground(&self, wind: &Wind) -> State {
         self.in_air(&Wind { north_mps: -wind.north_mps, east_mps: -wind.east_mps, up_mps: -wind.up_mps })
     }
@@ -95,9 +96,9 @@ impl State {
 }
 
 impl Autopilot {
-    /// The state one step later in air that moves with `wind` over the step. The setpoint's speed is an airspeed and its
-    /// course a heading: the loops and limits of Eq. 1 and 3 act in the air, which carries the vehicle along. When the wind
-    /// changes from one step to the next the speed over ground does not: the airspeed does.
+    /// The state one step later in air that moves with `wind` over the step. The setpoint's speed is an airspeed and
+    /// its course a heading: the loops and limits of Eq. 1 and 3 act in the air, which carries the vehicle along. When
+    /// the wind changes from one step to the next the speed over ground does not: the airspeed does.
     ///
     /// In still air this is [`step`](Self::step), to the last bit. The wind's vertical part is not felt here.
     pub fn step_in_wind(&self, state: &State, setpoint: &Setpoint, wind: &Wind) -> State {

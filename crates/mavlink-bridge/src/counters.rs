@@ -41,8 +41,8 @@ counters! {
     malformed_bytes,
     /// Frames that never came, by the gaps in the sequence numbers of each sender.
     lost,
-    /// Frames that came again, byte for byte: a vehicle in lockstep sends its last telemetry until it is answered, and a
-    /// network may deliver a datagram twice.
+    /// Frames that came again, byte for byte: a vehicle in lockstep sends its last telemetry until it is answered, and
+    /// a network may deliver a datagram twice.
     repeated,
     /// Frames that came late, by their sequence numbers.
     out_of_order,

@@ -8,8 +8,8 @@ use crate::{Counters, Frame, FrameError, Message};
 /// The datagram is searched from one start byte to the next. Where a frame stands whole, with the right checksum, it is
 /// yielded and the search goes on behind it. Signatures are accepted and not verified.
 ///
-/// A frame with a wrong checksum may be two pieces of others: it is counted once, and what it covers is searched.
-/// A frame with an unknown id, or with flags that we do not understand, has a length that nothing verifies: it is counted
+/// A frame with a wrong checksum may be two pieces of others: it is counted once, and what it covers is searched. A
+/// frame with an unknown id, or with flags that we do not understand, has a length that nothing verifies: it is counted
 /// and passed over as a whole if it ends with the datagram or where another start byte stands, and runs into no frame
 /// that is right. Otherwise its start byte was garbage.
 pub fn frames<'a, 'c>(datagram: &'a [u8], counters: &'c mut Counters) -> Frames<'a, 'c> {
@@ -98,8 +98,8 @@ impl Frames<'_, '_> {
     }
 }
 
-/// Whether the first `length` of `bytes` may be a frame of their own. What lies wholly in its payload is its own affair;
-/// but a frame that is right and reaches past it shows that the two are one behind the other.
+/// Whether the first `length` of `bytes` may be a frame of their own. What lies wholly in its payload is its own
+/// affair; but a frame that is right and reaches past it shows that the two are one behind the other.
 fn stands_alone(bytes: &[u8], length: usize) -> bool {
     let ends_well = bytes.get(length).is_none_or(|&byte| is_start_byte(byte));
     let runs_into_a_frame = |start: usize| {

@@ -4,8 +4,8 @@
 //! and payload structs as [`dialect`]. All but [`udp`] is sans-I/O: bytes and times are arguments.
 //!
 //! A datagram is read by [`frames`] or [`messages`] and written by [`Encoder`]; [`telemetry`] and [`setpoint`] stand
-//! between messages and the flight model; [`UdpLink`] carries datagrams, [`Impairment`] spoils them, [`TlogWriter`] keeps
-//! them. Other transports belong beside [`udp`], signatures beside [`frame`], routes between links and cores.
+//! between messages and the flight model; [`UdpLink`] carries datagrams, [`Impairment`] spoils them, [`TlogWriter`]
+//! keeps them. Other transports belong beside [`udp`], signatures beside [`frame`], routes between links and cores.
 //!
 //! ```
 //! use mavlink_bridge::{Counters, Encoder, Message, frames, local_position_ned, state_from_local_position};

@@ -10,8 +10,8 @@ use crate::problem::Candidates;
 /// Mutually non-dominated candidates without duplicates in costs (the first offered stays), in lexicographic order.
 ///
 /// A member leaves for one of two reasons: a candidate was offered that dominates it, or the archive grew beyond its
-/// capacity. Then the most crowded leave (Eq. 17, measured once; ties: the last in order), but never the one that is best in
-/// an objective. With a capacity of at least the number of candidates offered, the archive is exact.
+/// capacity. Then the most crowded leave (Eq. 17, measured once; ties: the last in order), but never the one that is
+/// best in an objective. With a capacity of at least the number of candidates offered, the archive is exact.
 #[derive(Clone, Debug, Default)]
 pub struct Archive {
     dimensions: usize,

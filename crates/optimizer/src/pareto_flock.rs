@@ -82,8 +82,8 @@ impl ParetoFlock {
         if self.archive.is_empty() { Err(OptimizeError::NoFiniteCandidate) } else { Ok(()) }
     }
 
-    /// The first line of Eq. 18: the `removed` worst pigeons leave, by rank, then crowding (Eq. 17), then the highest index. Only a front of
-    /// which some leave and some stay needs its crowding known.
+    /// The first line of Eq. 18: the `removed` worst pigeons leave, by rank, then crowding (Eq. 17), then the highest
+    /// index. Only a front of which some leave and some stay needs its crowding known.
     pub fn remove_worst(&mut self, removed: usize) {
         let costs = self.swarm.costs();
         self.leaving.clear();

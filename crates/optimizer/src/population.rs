@@ -19,7 +19,8 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then puts seeds in place of the first.
+    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then puts seeds in place of the
+    /// first.
     pub fn start(
         &mut self,
         len: usize,
@@ -159,7 +160,8 @@ pub(crate) fn pick(count: usize, bits: u32) -> usize {
     ((u64::from(bits) * count as u64) >> 32) as usize
 }
 
-/// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's place.
+/// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's
+/// place.
 pub(crate) fn remove_rows(table: &mut Vec<f64>, rows: usize, dropped: &[u32]) {
     let left = rows - dropped.len();
     for (column, start) in (0..table.len()).step_by(rows.max(1)).enumerate() {

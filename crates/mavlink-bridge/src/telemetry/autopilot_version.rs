@@ -8,8 +8,8 @@ use crate::dialect::{
     PROTOCOL_VERSION_DATA,
 };
 
-/// AUTOPILOT_VERSION: a released version of the flight software, what it can do, and a number that tells one vehicle from
-/// another (<https://mavlink.io/en/messages/common.html#AUTOPILOT_VERSION>).
+/// AUTOPILOT_VERSION: a released version of the flight software, what it can do, and a number that tells one vehicle
+/// from another (<https://mavlink.io/en/messages/common.html#AUTOPILOT_VERSION>).
 pub fn autopilot_version([major, minor, patch]: [u8; 3], capabilities: MavProtocolCapability, uid: u64) -> Message {
     const RELEASED: u8 = 255;
     Message::AUTOPILOT_VERSION(AUTOPILOT_VERSION_DATA {
