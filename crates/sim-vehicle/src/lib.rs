@@ -38,7 +38,7 @@ pub use counters::VehicleCounters;
 pub use host::{Host, HostReport, HostSettings};
 pub use hosting::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer, port_index};
 pub use mode::{Mode, NoSuchMode};
-pub use parameters::file::ParameterFileError;
+pub use parameters::file::{ParameterFile, ParameterFileError, Place};
 pub use parameters::{ParameterFault, check_parameters};
 pub use personality::Personality;
 pub use plans::{PlanFileError, Plans};

@@ -249,8 +249,8 @@ fn another_system_id_is_taken_at_once() {
 
 #[test]
 fn what_was_set_before_is_so_from_the_start() {
-    let parameters = vec![("WP_LOITER_RAD".to_owned(), 33.0), ("MAV_SYSID".to_owned(), 9.0)];
-    let mut client = Client::new(VehicleSettings { parameters, ..quiet() });
+    let kept_parameters = [("WP_LOITER_RAD".to_owned(), 33.0), ("MAV_SYSID".to_owned(), 9.0)].into_iter().collect();
+    let mut client = Client::new(VehicleSettings { kept_parameters, ..quiet() });
     assert_eq!(client.vehicle.settings().system_id, 9);
     assert!(!client.vehicle.take_parameters_changed());
     assert_eq!(client.vehicle.set_parameters().count(), 2);
@@ -258,7 +258,8 @@ fn what_was_set_before_is_so_from_the_start() {
     for (name, value, words) in
         [("NOPE", 1.0, "No parameter NOPE"), ("MAV_SYSID", 0.0, "MAV_SYSID 0 is outside [1, 250]")]
     {
-        let settings = VehicleSettings { parameters: vec![(name.to_owned(), value)], ..quiet() };
+        let kept_parameters = [(name.to_owned(), value)].into_iter().collect();
+        let settings = VehicleSettings { kept_parameters, ..quiet() };
         assert_eq!(Vehicle::new(settings).unwrap_err().to_string(), words);
     }
 }
