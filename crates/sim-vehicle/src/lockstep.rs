@@ -4,7 +4,7 @@
 //! of datagrams changes a flight: an old stamp, or one that is not t, moves nothing. While the vehicle waits it sends
 //! its last telemetry again, for that or the answer to it may be lost.
 
-use crate::LockstepSettings;
+use crate::settings::LockstepSettings;
 use mavlink_bridge::boot_ms;
 use std::time::Duration;
 

@@ -1,7 +1,9 @@
 //! What a vehicle is told before it flies.
 
+use crate::firmware::Personality;
+use crate::mode::Mode;
 use crate::parameters::file::{ParameterFile, Place};
-use crate::{Mode, Personality, Plans};
+use crate::protocol::mission::Plans;
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use std::net::SocketAddr;
 use std::time::Duration;

@@ -1,38 +1,32 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
-use crate::failsafe::Failsafes;
-use crate::fence::Fence;
-use crate::flight::Flight;
-use crate::life::Life;
+use crate::autopilot::failsafe::Failsafes;
+use crate::autopilot::fence::Fence;
+use crate::autopilot::flight::Flight;
+use crate::autopilot::manual_control::Channels;
+use crate::autopilot::mission::{Mission, Progress};
+use crate::autopilot::rally::Rally;
+use crate::counters::VehicleCounters;
+use crate::firmware::Personality;
+use crate::firmware::px4;
+use crate::host::system_ids::SystemIds;
 use crate::links::Links;
+use crate::links::PeerId;
+use crate::links::Transmit;
 use crate::lockstep::Lockstep;
-use crate::mission::{Mission, Progress};
-use crate::parameters::{Listings, Pace, Parameter, Parameters, SystemIds};
-use crate::personality::px4;
-use crate::plans::{PlanKind, Uploads};
-use crate::rally::Rally;
-use crate::services::target_system;
-use crate::sticks::Channels;
-use crate::streams::Stream;
-use crate::{LockstepSettings, Mode, Personality, SettingsError, VehicleCounters, VehicleSettings};
+use crate::mode::Mode;
+use crate::parameters::{Parameter, Parameters};
+use crate::protocol::mission::{PlanKind, Uploads};
+use crate::protocol::parameter::{Listings, Pace};
+use crate::protocol::target_system;
+use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
+use crate::telemetry::streams::Stream;
+use crate::world::World;
 use flight_model::{Setpoint, State};
 use mavlink_bridge::dialect::Message;
 use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
-use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// Who a datagram came from or goes to.
-pub type PeerId = SocketAddr;
-
-/// A datagram to send.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Transmit {
-    /// To whom.
-    pub to: PeerId,
-    /// Whole MAVLink frames, at most 1200 bytes.
-    pub datagram: Vec<u8>,
-}
 
 /// One simulated autopilot that speaks MAVLink as ArduPlane does.
 ///
@@ -60,7 +54,7 @@ pub struct Vehicle {
     pub(crate) lockstep: Option<Lockstep>,
     pub(crate) host_now: Duration,
     pub(crate) failsafes: Failsafes,
-    pub(crate) life: Life,
+    pub(crate) world: World,
     pub(crate) parameters: Parameters,
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
@@ -119,7 +113,7 @@ impl Vehicle {
     fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
         let parameters = Parameters::new(&settings);
         let mut vehicle = Self {
-            life: Life::new(&settings, &parameters),
+            world: World::new(&settings, &parameters),
             flight: Flight::new(&settings),
             links: Links::new(&settings),
             time: Duration::ZERO,

@@ -262,7 +262,7 @@ fn the_messages_that_are_told_are_those_that_are_taken() {
         .flat_map(|row| names(row[0]))
         .map(str::to_owned)
         .collect();
-    let services = source("sim-vehicle/src/services.rs");
+    let services = source("sim-vehicle/src/protocol/mod.rs");
     let mut taken: Names = after(&services, "Ok(Message::").map(str::to_owned).collect();
     for path in ["mavlink-bridge/src/parameter.rs", "mavlink-bridge/src/plan.rs"] {
         let text = source(path);

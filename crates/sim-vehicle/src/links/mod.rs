@@ -3,14 +3,27 @@
 
 mod texts;
 
-use crate::life::{Noise, Source};
-use crate::streams::{Schedule, Stream};
+use crate::settings::{TelemetryRates, VehicleSettings};
 use crate::telemetry::Instruments;
-use crate::{PeerId, TelemetryRates, Transmit, VehicleSettings};
+use crate::telemetry::streams::{Schedule, Stream};
+use crate::world::{Noise, Source};
 use mavlink_bridge::dialect::{DialectMessage, MavMissionResult, MavResult, Message};
 use mavlink_bridge::{Counters, Encoder, PlanItemMessage, Target, Version, frames};
 use std::collections::VecDeque;
+use std::net::SocketAddr;
 use std::time::Duration;
+
+/// Who a datagram came from or goes to.
+pub type PeerId = SocketAddr;
+
+/// A datagram to send.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transmit {
+    /// To whom.
+    pub to: PeerId,
+    /// Whole MAVLink frames, at most 1200 bytes.
+    pub datagram: Vec<u8>,
+}
 
 /// The largest datagram: below what any network splits.
 pub(crate) const DATAGRAM_BYTES_MAX: usize = 1200;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::TelemetryRates;
+use crate::settings::TelemetryRates;
 use mavlink_bridge::telemetry::ground_heartbeat;
 
 const NOW: Duration = Duration::ZERO;

@@ -3,7 +3,7 @@
 
 use super::file::Place;
 use super::{Listed, ParameterRefused, Parameters, in_any_order};
-use crate::VehicleSettings;
+use crate::settings::VehicleSettings;
 
 /// A parameter that a vehicle does not take at the start.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,8 @@
 
 use super::file::{ParameterEntry, ParameterFile};
 use super::{Listed, Parameter, ParameterRefused, Parameters};
-use crate::{SettingsError, Vehicle};
+use crate::settings::SettingsError;
+use crate::vehicle::Vehicle;
 
 impl Parameters {
     /// Makes the parameters of files that the vehicle does not know inert ones, and gives those that it knows and that

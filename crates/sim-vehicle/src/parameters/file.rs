@@ -9,7 +9,7 @@
 //! A `#` begins a comment. The last value of a name counts.
 
 use super::inert::Inert;
-use crate::Personality;
+use crate::firmware::Personality;
 use mavlink_bridge::PARAMETER_NAME_MAX;
 use mavlink_bridge::dialect::MavParamType::{
     self, MAV_PARAM_TYPE_INT8 as INT8, MAV_PARAM_TYPE_INT16 as INT16, MAV_PARAM_TYPE_INT32 as INT32,

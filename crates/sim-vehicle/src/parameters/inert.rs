@@ -3,7 +3,7 @@
 
 use super::ParameterRefused;
 use super::file::ParameterEntry;
-use crate::Personality;
+use crate::firmware::Personality;
 use mavlink_bridge::dialect::MavParamType;
 use std::sync::Arc;
 

@@ -6,22 +6,16 @@
 mod check;
 mod defaults;
 pub(crate) mod file;
-mod hash;
-mod ids;
 mod inert;
-mod pace;
-mod service;
 mod table;
 
 pub use check::{ParameterFault, check_parameters};
 pub(crate) use defaults::in_any_order;
-pub(crate) use ids::SystemIds;
-pub(crate) use pace::Pace;
-pub(crate) use service::Listings;
 pub(crate) use table::{Effect, Parameter};
 
-use crate::flight::Tuning;
-use crate::{Personality, VehicleSettings};
+use crate::autopilot::flight::Tuning;
+use crate::firmware::Personality;
+use crate::settings::VehicleSettings;
 use inert::Inert;
 use mavlink_bridge::dialect::MavParamType;
 use std::borrow::Cow;

@@ -1,9 +1,10 @@
 //! The list of parameters: one row for each, in the order of their indices.
 
 use super::Parameters;
-use crate::flight::TAKEOFF_ALTITUDE_M;
-use crate::streams::{Stream, groups};
-use crate::{Personality, VehicleSettings};
+use crate::autopilot::flight::TAKEOFF_ALTITUDE_M;
+use crate::firmware::Personality;
+use crate::settings::VehicleSettings;
+use crate::telemetry::streams::{Stream, groups};
 use mavlink_bridge::dialect::MavParamType;
 use mavlink_bridge::dialect::MavParamType::{
     MAV_PARAM_TYPE_INT8 as INT8, MAV_PARAM_TYPE_INT16 as INT16, MAV_PARAM_TYPE_INT32 as INT32,
@@ -172,7 +173,7 @@ parameters! {
 
     RunTime: "STAT_RUNTIME", INT32, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
 
-    // PX4's own: see personality/px4/.
+    // PX4's own: see firmware/px4/.
     OffboardTimeout: "COM_OF_LOSS_T", REAL, |_| 1.0, |_| (0.0, 60.0), Effect::LookedUp;
     OffboardLossAction: "COM_OBL_RC_ACT", INT32, |_| 0.0, |_| (0.0, 5.0), Effect::LookedUp;
     DataLinkLossAction: "NAV_DLL_ACT", INT32, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;

@@ -1,17 +1,20 @@
 //! What the vehicle says of itself.
 
+mod announce;
 mod navigation;
 mod sensors;
+pub(crate) mod streams;
 
-use crate::failsafe::BatteryLevel;
-use crate::fence::FenceReport;
-use crate::flight::Flight;
-use crate::life::{GpsSettings, Life, Readings, SensorSettings, tick};
-use crate::mission::{Mission, Progress};
+use crate::autopilot::failsafe::BatteryLevel;
+use crate::autopilot::fence::FenceReport;
+use crate::autopilot::flight::Flight;
+use crate::autopilot::manual_control::Channels;
+use crate::autopilot::mission::{Mission, Progress};
+use crate::firmware::Personality;
+use crate::mode::Mode;
 use crate::parameters::{Parameter, Parameters};
-use crate::sticks::Channels;
-use crate::streams::Stream;
-use crate::{Mode, Personality};
+use crate::telemetry::streams::Stream;
+use crate::world::{GpsSettings, Readings, SensorSettings, World, tick};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
     FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavLandedState, MavProtocolCapability, MavState,
@@ -33,7 +36,7 @@ pub(crate) struct Instruments<'a> {
     /// Whether it is armed, or nothing stands against it.
     pub is_armable: bool,
     pub channels: &'a Channels,
-    pub life: &'a Life,
+    pub world: &'a World,
     pub parameters: &'a Parameters,
     pub battery_level: BatteryLevel,
     pub fence: FenceReport,
@@ -81,7 +84,7 @@ impl Instruments<'_> {
             }
             Stream::GpsRawInt => {
                 let settings = GpsSettings::of(self.parameters);
-                let measured = self.life.gps.measure(&settings, self.flight.state(), &self.life.noise, tick(time));
+                let measured = self.world.gps.measure(&settings, self.flight.state(), &self.world.noise, tick(time));
                 telemetry::gps_raw_int(time, &measured, self.frame, settings.has_fix(), settings.satellites())
             }
             Stream::RawImu => sensors::raw_imu(time, &self.readings(), self.gravity_mps2()),
@@ -91,7 +94,7 @@ impl Instruments<'_> {
             // Of ArduPilot's own dialect: see ardupilot_message.
             Stream::Wind | Stream::WindCov | Stream::EkfStatusReport => telemetry::wind_cov(
                 time,
-                &self.life.weather.estimate(),
+                &self.world.weather.estimate(),
                 f64::from(self.parameters.get(Parameter::WindGusts)),
                 origin.altitude_amsl_m + state.altitude_m,
             ),
@@ -148,7 +151,7 @@ impl Instruments<'_> {
     /// What a stream says in a message of ArduPilot's own dialect; none if it is of the common one.
     pub fn ardupilot_message(&self, stream: Stream) -> Option<ArduPilotMessage> {
         match stream {
-            Stream::Wind => Some(mavlink_bridge::wind(&self.life.weather.estimate())),
+            Stream::Wind => Some(mavlink_bridge::wind(&self.world.weather.estimate())),
             Stream::EkfStatusReport => Some(mavlink_bridge::ekf_status_report(self.estimator_flags())),
             _ => None,
         }
@@ -173,9 +176,9 @@ impl Instruments<'_> {
         Readings::take(
             self.flight,
             &SensorSettings::of(self.parameters),
-            &self.life.noise,
+            &self.world.noise,
             tick(self.time),
-            self.life.barometer_drift_m,
+            self.world.barometer_drift_m,
             self.frame.origin().altitude_amsl_m,
         )
     }
@@ -242,7 +245,7 @@ impl Instruments<'_> {
             | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS
             | MavSysStatusSensor::MAV_SYS_STATUS_AHRS
             | MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
-        let battery = sensors::Charge::of(&self.life.battery, self.parameters);
+        let battery = sensors::Charge::of(&self.world.battery, self.parameters);
         let mut sensors = sensors;
         sensors.set(MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, battery.is_some());
         // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
@@ -277,7 +280,7 @@ impl Instruments<'_> {
     }
 
     fn battery_status(&self) -> Message {
-        sensors::battery_status(sensors::Charge::of(&self.life.battery, self.parameters), self.battery_level)
+        sensors::battery_status(sensors::Charge::of(&self.world.battery, self.parameters), self.battery_level)
     }
 }
 
@@ -295,14 +298,14 @@ fn capabilities() -> MavProtocolCapability {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::VehicleSettings;
+    use crate::settings::VehicleSettings;
     use mavlink_bridge::dialect::DialectMessage;
 
     fn look<T>(flight: &Flight, at: impl FnOnce(&Instruments<'_>) -> T) -> T {
         let parameters = Parameters::new(&VehicleSettings::default());
         let instruments = Instruments {
             time: Duration::ZERO,
-            life: &Life::new(&VehicleSettings::default(), &parameters),
+            world: &World::new(&VehicleSettings::default(), &parameters),
             parameters: &parameters,
             battery_level: BatteryLevel::Ok,
             system_id: 1,

@@ -1,8 +1,8 @@
 //! Sensors and the battery as messages, in the units that ArduPlane sends.
 
-use crate::failsafe::BatteryLevel;
-use crate::life::{Battery, Readings};
+use crate::autopilot::failsafe::BatteryLevel;
 use crate::parameters::{Parameter, Parameters};
+use crate::world::{Battery, Readings};
 use mavlink_bridge::boot_ms;
 use mavlink_bridge::dialect::{
     BATTERY_STATUS_DATA, HIGHRES_IMU_DATA, HighresImuUpdatedFlags, MavBatteryChargeState, MavBatteryFault, Message,

@@ -1,0 +1,57 @@
+//! PX4's names and types of the parameters. A parameter that PX4 has nothing like keeps its name and is read as a float or
+//! as an integer of 32 bits, the only types that PX4 has.
+
+use crate::parameters::Parameter;
+use mavlink_bridge::dialect::MavParamType::{self, MAV_PARAM_TYPE_INT32 as INT32, MAV_PARAM_TYPE_REAL32 as REAL};
+
+/// Parameters that only a PX4 has.
+pub(in crate::firmware) const OWN_PARAMETERS: &[Parameter] = &[
+    Parameter::OffboardTimeout,
+    Parameter::OffboardLossAction,
+    Parameter::DataLinkLossAction,
+    Parameter::DataLinkTimeout,
+    Parameter::DataLinkExceptions,
+    Parameter::FailsafeDelay,
+    Parameter::PreflightDisarmDelay,
+];
+
+/// Parameters that a PX4 has not: its own failsafes and checks stand in for them, its rates are asked for by message, and any ground
+/// station counts.
+pub(in crate::firmware) const ABSENT_PARAMETERS: &[Parameter] = &[
+    Parameter::GroundSystemId,
+    Parameter::RateRawSensors,
+    Parameter::RateExtendedStatus,
+    Parameter::RatePosition,
+    Parameter::RateExtra1,
+    Parameter::RateExtra2,
+    Parameter::RateExtra3,
+    Parameter::RtlRadius,
+    Parameter::ArmingCheck,
+    Parameter::GuidedTimeout,
+    Parameter::GroundFailsafe,
+    Parameter::LongFailsafeAction,
+    Parameter::LongFailsafeTimeout,
+];
+
+const NAMES: &[(Parameter, &str, MavParamType)] = &[
+    (Parameter::SystemId, "MAV_SYS_ID", INT32),
+    (Parameter::AirspeedCruise, "FW_AIRSPD_TRIM", REAL),
+    (Parameter::AirspeedMin, "FW_AIRSPD_MIN", REAL),
+    (Parameter::AirspeedMax, "FW_AIRSPD_MAX", REAL),
+    (Parameter::RollLimit, "FW_R_LIM", REAL),
+    (Parameter::LoiterRadius, "NAV_LOITER_RAD", REAL),
+    (Parameter::WaypointRadius, "NAV_ACC_RAD", REAL),
+    (Parameter::RtlAltitude, "RTL_RETURN_ALT", REAL),
+    (Parameter::TakeoffAltitude, "MIS_TAKEOFF_ALT", REAL),
+    (Parameter::DisarmDelay, "COM_DISARM_LAND", REAL),
+    (Parameter::FenceAction, "GF_ACTION", INT32),
+];
+
+/// PX4's name and type of a parameter.
+pub(in crate::firmware) fn parameter(parameter: Parameter) -> (&'static str, MavParamType) {
+    let renamed = NAMES.iter().find(|(known, ..)| *known == parameter);
+    renamed.map_or_else(
+        || (parameter.name(), if parameter.kind() == REAL { REAL } else { INT32 }),
+        |(_, name, kind)| (*name, *kind),
+    )
+}

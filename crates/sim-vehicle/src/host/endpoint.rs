@@ -1,0 +1,190 @@
+//! One port and the vehicles behind it.
+
+use crate::counters::VehicleCounters;
+use crate::host::clock::{Advance, Clock, HostError, Observer, RealTime};
+use crate::host::system_ids::SystemIds;
+use crate::parameters::file;
+use crate::protocol::mission as plans;
+use crate::protocol::target_system;
+use crate::vehicle::Vehicle;
+use flight_model::State;
+use mavlink_bridge::{Counters, LinkError, UdpLink, messages};
+use std::collections::HashMap;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::watch;
+use tokio::time::Instant;
+
+pub(crate) struct Endpoint {
+    link: UdpLink,
+    vehicles: Vec<Vehicle>,
+    /// Index of the first vehicle among all of the host's.
+    first: usize,
+    /// Where parameters that are set and plans are kept.
+    pub state_folder: Option<PathBuf>,
+    frames: Counters,
+    track: Vec<State>,
+}
+
+pub(crate) struct EndpointReport {
+    pub wire: Counters,
+    pub vehicles: Vec<(usize, VehicleCounters)>,
+}
+
+/// What the vehicles do not have: a clock, and somebody who looks on.
+pub(crate) struct Shell {
+    pub started: Instant,
+    pub clock: Clock,
+    pub time: RealTime,
+    pub observer: Observer,
+}
+
+/// Waits until `stop` holds true or its sender is gone.
+pub(crate) async fn stopped(stop: &mut watch::Receiver<bool>) {
+    // A closed channel is as good as a true one: nobody is left to stop us later.
+    let _ = stop.wait_for(|stop| *stop).await;
+}
+
+/// Most datagrams taken in a row before the vehicles are attended to again.
+const DATAGRAMS_IN_A_ROW: usize = 64;
+
+impl Endpoint {
+    pub fn new(link: UdpLink, mut vehicles: Vec<Vehicle>, first: usize) -> Result<Self, HostError> {
+        let mut by_system = HashMap::new();
+        for (index, vehicle) in vehicles.iter().enumerate() {
+            let system_id = vehicle.settings().system_id;
+            if let Some(other) = by_system.insert(system_id, index) {
+                return Err(HostError::DuplicateSystemId { first: first + other, second: first + index, system_id });
+            }
+        }
+        let ids = Arc::new(SystemIds::new(vehicles.iter().map(|vehicle| vehicle.settings().system_id).collect()));
+        for (place, vehicle) in vehicles.iter_mut().enumerate() {
+            vehicle.share_port(Arc::clone(&ids), place);
+        }
+        Ok(Self { link, vehicles, first, state_folder: None, frames: Counters::default(), track: Vec::new() })
+    }
+
+    /// The vehicles behind this port.
+    pub fn vehicles(&self) -> impl Iterator<Item = &Vehicle> {
+        self.vehicles.iter()
+    }
+
+    pub async fn run(
+        mut self,
+        shell: Arc<Shell>,
+        mut stop: watch::Receiver<bool>,
+    ) -> Result<EndpointReport, LinkError> {
+        let mut datagram = Vec::new();
+        loop {
+            self.transmit().await;
+            let wake = shell.started + self.next_wake(&shell.clock, shell.started.elapsed());
+            tokio::select! {
+                () = stopped(&mut stop) => break,
+                from = self.link.recv(&mut datagram) => {
+                    let mut from = Some(from?);
+                    let mut taken = 0;
+                    while let Some(sender) = from {
+                        self.receive(&shell, &datagram, sender);
+                        taken += 1;
+                        from = if taken < DATAGRAMS_IN_A_ROW { self.link.try_recv(&mut datagram)? } else { None };
+                    }
+                }
+                () = tokio::time::sleep_until(wake) => {}
+            }
+            (0..self.vehicles.len()).for_each(|index| self.fly(index, &shell));
+        }
+        let vehicles = self.vehicles.iter().enumerate().map(|(index, v)| (self.first + index, v.counters())).collect();
+        Ok(EndpointReport { wire: self.link.counters() + self.frames, vehicles })
+    }
+
+    /// Host time at which somebody wants attention.
+    fn next_wake(&self, clock: &Clock, now: Duration) -> Duration {
+        match clock {
+            // Whole multiples of the tick: a late wake does not shift the next.
+            Clock::RealTime { tick, .. } => {
+                let ticks = u32::try_from(now.as_nanos() / tick.as_nanos()).unwrap_or(u32::MAX);
+                tick.saturating_mul(ticks.saturating_add(1))
+            }
+            Clock::Lockstep(_) => {
+                let earliest = self.vehicles.iter().filter_map(Vehicle::poll_timeout).min();
+                earliest.unwrap_or(now + Duration::from_secs(1)).max(now)
+            }
+        }
+    }
+
+    /// Hands each frame to the vehicles that it is for.
+    fn receive(&mut self, shell: &Shell, datagram: &[u8], from: SocketAddr) {
+        let mut counters = self.frames;
+        for (frame, message) in messages(datagram, &mut counters) {
+            let Some(target) = target_system(&frame, &message) else { continue };
+            for index in 0..self.vehicles.len() {
+                // A lone vehicle counts what is not for it. System ids may change in flight.
+                let ours = target == 0 || target == self.vehicles[index].settings().system_id;
+                if !ours && self.vehicles.len() > 1 {
+                    continue;
+                }
+                self.fly(index, shell);
+                self.vehicles[index].handle_frame(shell.started.elapsed(), &frame, &message, from);
+                self.fly(index, shell);
+                self.keep_parameters(index);
+                self.keep_plans(index);
+            }
+        }
+        self.frames = counters;
+    }
+
+    /// A vehicle flies on when its parameters cannot be kept, as an autopilot with a broken card does.
+    fn keep_parameters(&mut self, index: usize) {
+        let vehicle = &mut self.vehicles[index];
+        let Some(folder) = self.state_folder.as_ref().filter(|_| vehicle.take_parameters_changed()) else {
+            return;
+        };
+        let path = file::path(folder, self.first + index);
+        if let Err(error) = file::write(&path, vehicle.set_parameters()) {
+            tracing::warn!(path = %path.display(), %error, "cannot keep parameters");
+        }
+    }
+
+    /// The same for its plans.
+    fn keep_plans(&mut self, index: usize) {
+        let vehicle = &mut self.vehicles[index];
+        let Some(folder) = &self.state_folder else { return };
+        for kind in vehicle.take_changed_plans() {
+            let path = plans::file::path(folder, self.first + index, kind);
+            if let Err(error) = plans::file::write(&path, vehicle.plan(kind)) {
+                tracing::warn!(path = %path.display(), %error, "cannot keep a plan");
+            }
+        }
+    }
+
+    /// Lets a vehicle fly as far as its clock has come.
+    fn fly(&mut self, index: usize, shell: &Shell) {
+        let vehicle = &mut self.vehicles[index];
+        let now = shell.started.elapsed();
+        vehicle.handle_timeout(now);
+        let until = match shell.clock {
+            Clock::RealTime { .. } => shell.time.until(now, vehicle.time()),
+            Clock::Lockstep(_) => match vehicle.released_until() {
+                Some(until) => until,
+                None => return,
+            },
+        };
+        let start = vehicle.time();
+        self.track.clear();
+        vehicle.advance(until, &mut self.track);
+        if !self.track.is_empty() {
+            let step = vehicle.settings().step;
+            (shell.observer)(Advance { vehicle: self.first + index, start, step, track: &self.track });
+        }
+    }
+
+    async fn transmit(&mut self) {
+        for vehicle in &mut self.vehicles {
+            while let Some(transmit) = vehicle.poll_transmit() {
+                self.link.send_to(&transmit.datagram, transmit.to).await;
+            }
+        }
+    }
+}

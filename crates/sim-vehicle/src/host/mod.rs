@@ -1,0 +1,224 @@
+//! The host: sockets and a clock for any number of vehicles. All that they do is in [`crate::vehicle::Vehicle`].
+
+pub(crate) mod clock;
+pub(crate) mod endpoint;
+pub(crate) mod system_ids;
+
+use crate::counters::VehicleCounters;
+use crate::host::clock::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
+use crate::host::endpoint::{Endpoint, EndpointReport, Shell, stopped};
+use crate::parameters::file::{self, ParameterFileError};
+use crate::protocol::mission as plans;
+use crate::protocol::parameter::Pace;
+use crate::settings::{SettingsError, VehicleSettings};
+use crate::vehicle::Vehicle;
+use mavlink_bridge::{Counters, LinkError, LinkSettings, UdpLink};
+use std::fmt;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::watch;
+use tokio::task::JoinSet;
+use tokio::time::Instant;
+
+/// Where the vehicles listen and what time they keep.
+#[derive(Clone, Debug)]
+pub struct HostSettings {
+    /// Address of the interface.
+    pub bind: IpAddr,
+    /// Port of the first vehicle or group; each further one has the next port. 0: any free ports.
+    pub base_port: u16,
+    /// Vehicles on one port, 1 to 250: the rest go to the next, as each further network of 250 does. Frames find theirs by
+    /// the target system.
+    pub vehicles_per_port: usize,
+    /// The clock.
+    pub clock: Clock,
+    /// Receive buffer and impairment of every port. Each port draws its own random numbers from the seed.
+    pub link: LinkSettings,
+    /// Folder of the files in which parameters and plans survive a restart, `vehicle-1.parm`, `vehicle-1-mission.txt` and
+    /// so on; none: they do not.
+    pub state_folder: Option<PathBuf>,
+}
+
+impl Default for HostSettings {
+    fn default() -> Self {
+        Self {
+            bind: IpAddr::V4(Ipv4Addr::LOCALHOST),
+            base_port: 14600,
+            vehicles_per_port: 1,
+            clock: Clock::WALL,
+            link: LinkSettings::default(),
+            state_folder: None,
+        }
+    }
+}
+
+/// What became of a host's vehicles.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct HostReport {
+    /// Each vehicle's counters, in the order in which the host was given them.
+    pub vehicles: Vec<VehicleCounters>,
+    /// What all ports together have seen.
+    pub wire: Counters,
+    /// In real time, vehicle seconds for each second of the wall clock: less than was asked for where the machine did not
+    /// keep up.
+    pub speed_reached: Option<f64>,
+}
+
+/// Vehicles with their ports bound, ready to run.
+pub struct Host {
+    endpoints: Vec<Endpoint>,
+    addresses: Vec<SocketAddr>,
+    clock: Clock,
+}
+
+impl fmt::Debug for Host {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Host").field("addresses", &self.addresses).field("clock", &self.clock).finish_non_exhaustive()
+    }
+}
+
+impl Host {
+    /// Binds the ports of all vehicles, or none of them. Must be called within a Tokio runtime.
+    pub fn bind(settings: &HostSettings, vehicles: Vec<VehicleSettings>) -> Result<Self, HostError> {
+        settings.validate(vehicles.len())?;
+        let pace = Arc::new(Pace::default());
+        let vehicles: Vec<Vehicle> = vehicles
+            .into_iter()
+            .enumerate()
+            .map(|(vehicle, mut own)| {
+                if let Some(folder) = &settings.state_folder {
+                    own.kept_parameters = file::read_kept(&file::path(folder, vehicle))?;
+                    own.plans = plans::file::read(folder, vehicle)?;
+                }
+                let built = match settings.clock {
+                    Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
+                    Clock::RealTime { .. } => Vehicle::new(own),
+                };
+                let mut built = built.map_err(|source| match source {
+                    SettingsError::ParameterFile { place, reason } => {
+                        ParameterFileError::Refused { place, reason }.into()
+                    }
+                    source => HostError::Vehicle { vehicle, source },
+                })?;
+                built.keep_pace(Arc::clone(&pace));
+                Ok(built)
+            })
+            .collect::<Result<_, HostError>>()?;
+
+        let mut host = Self { endpoints: Vec::new(), addresses: Vec::new(), clock: settings.clock };
+        let mut vehicles = vehicles.into_iter().enumerate().peekable();
+        // An early return drops the endpoints bound so far, and so frees their ports.
+        while let Some(&(first, _)) = vehicles.peek() {
+            let port = port_index(first, settings.vehicles_per_port);
+            let is_of_port = |(vehicle, _): &(usize, Vehicle)| port_index(*vehicle, settings.vehicles_per_port) == port;
+            let group: Vec<Vehicle> =
+                std::iter::from_fn(|| vehicles.next_if(is_of_port)).map(|(_, vehicle)| vehicle).collect();
+            let link = UdpLink::bind(settings.address(port)?, settings.link_settings(port))?;
+            let address = link.local_addr()?;
+            host.addresses.resize(first + group.len(), address);
+            let mut endpoint = Endpoint::new(link, group, first)?;
+            endpoint.state_folder.clone_from(&settings.state_folder);
+            host.endpoints.push(endpoint);
+        }
+        Ok(host)
+    }
+
+    /// The address that each vehicle listens on, in the order in which the host was given them.
+    pub fn addresses(&self) -> &[SocketAddr] {
+        &self.addresses
+    }
+
+    /// The vehicles, in the order in which the host was given them.
+    pub fn vehicles(&self) -> impl Iterator<Item = &Vehicle> {
+        self.endpoints.iter().flat_map(Endpoint::vehicles)
+    }
+
+    /// Runs the vehicles until `stop` holds true or its sender is gone; without vehicles, returns at once. The ports are
+    /// free when this returns.
+    pub async fn run(self, observer: Observer, mut stop: watch::Receiver<bool>) -> Result<HostReport, HostError> {
+        let (stop_all, stop_endpoints) = watch::channel(false);
+        let mut tasks: JoinSet<Result<EndpointReport, LinkError>> = JoinSet::new();
+        let time = RealTime::new(self.clock.speed());
+        let shell = Arc::new(Shell { started: Instant::now(), clock: self.clock, time, observer });
+        for endpoint in self.endpoints {
+            tasks.spawn(endpoint.run(Arc::clone(&shell), stop_endpoints.clone()));
+        }
+        let mut report =
+            HostReport { vehicles: vec![VehicleCounters::default(); self.addresses.len()], ..HostReport::default() };
+        let mut failure = None;
+        let mut running = true;
+        loop {
+            tokio::select! {
+                () = stopped(&mut stop), if running => {
+                    running = false;
+                    let is_real_time = matches!(self.clock, Clock::RealTime { .. });
+                    report.speed_reached = is_real_time.then(|| shell.time.reached(shell.started.elapsed()));
+                    stop_all.send_replace(true);
+                }
+                joined = tasks.join_next() => match joined {
+                    None => break,
+                    Some(Ok(Ok(endpoint))) => {
+                        report.wire += endpoint.wire;
+                        for (index, counters) in endpoint.vehicles {
+                            if let Some(slot) = report.vehicles.get_mut(index) {
+                                *slot = counters;
+                            }
+                        }
+                    }
+                    Some(Ok(Err(error))) => {
+                        // One port that fails stops the flight: the others would fly on without it.
+                        failure.get_or_insert(error);
+                        running = false;
+                        stop_all.send_replace(true);
+                    }
+                    Some(Err(join_error)) => {
+                        if let Ok(panic) = join_error.try_into_panic() {
+                            std::panic::resume_unwind(panic);
+                        }
+                    }
+                },
+            }
+        }
+        match failure {
+            Some(error) => Err(error.into()),
+            None => Ok(report),
+        }
+    }
+}
+
+impl HostSettings {
+    fn validate(&self, vehicles: usize) -> Result<(), HostError> {
+        if !(1..=NETWORK_VEHICLES_MAX).contains(&self.vehicles_per_port) {
+            let value = self.vehicles_per_port as f64;
+            return Err(HostError::Setting { name: "vehicles_per_port", value, range: "[1, 250]" });
+        }
+        if let Clock::RealTime { speed, tick } = self.clock {
+            if !(0.001..=1000.0).contains(&speed) {
+                return Err(HostError::Setting { name: "speed", value: speed, range: "[0.001, 1000]" });
+            }
+            if !(Duration::from_millis(1)..=Duration::from_secs(1)).contains(&tick) {
+                return Err(HostError::Setting { name: "tick_s", value: tick.as_secs_f64(), range: "[0.001, 1]" });
+            }
+        }
+        let count = vehicles.checked_sub(1).map_or(0, |last| port_index(last, self.vehicles_per_port) + 1);
+        let beyond = self.base_port != 0 && usize::from(self.base_port) + count > 65_536;
+        if beyond { Err(HostError::TooManyPorts { base_port: self.base_port, count }) } else { Ok(()) }
+    }
+
+    fn address(&self, port_index: usize) -> Result<SocketAddr, HostError> {
+        let port = match self.base_port {
+            0 => Some(0),
+            base => u16::try_from(port_index).ok().and_then(|index| base.checked_add(index)),
+        };
+        let too_many = HostError::TooManyPorts { base_port: self.base_port, count: port_index + 1 };
+        port.map(|port| SocketAddr::new(self.bind, port)).ok_or(too_many)
+    }
+
+    /// Ports with one seed would lose the same datagrams: an odd multiplier spreads them over all seeds.
+    fn link_settings(&self, port_index: usize) -> LinkSettings {
+        const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+        LinkSettings { seed: self.link.seed.wrapping_add(GOLDEN.wrapping_mul(port_index as u64)), ..self.link }
+    }
+}

@@ -1,0 +1,293 @@
+//! Which messages a link gets, and how often.
+
+use crate::firmware::Personality;
+use crate::settings::TelemetryRates;
+use std::time::Duration;
+
+/// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stream {
+    Heartbeat,
+    SysStatus,
+    SystemTime,
+    Attitude,
+    GlobalPositionInt,
+    VfrHud,
+    GpsRawInt,
+    MissionCurrent,
+    RawImu,
+    ScaledImu,
+    ScaledPressure,
+    HighresImu,
+    Wind,
+    WindCov,
+    EkfStatusReport,
+    FenceStatus,
+    RcChannels,
+    GpsGlobalOrigin,
+    HomePosition,
+    BatteryStatus,
+    ExtendedSysState,
+    AutopilotVersion,
+    ProtocolVersion,
+    AttitudeQuaternion,
+    NavControllerOutput,
+    PositionTargetLocalNed,
+    PositionTargetGlobalInt,
+    Altitude,
+    Odometry,
+    LocalPositionNed,
+}
+
+impl Stream {
+    pub const COUNT: usize = 30;
+    pub const ALL: [Stream; Self::COUNT] = [
+        Stream::Heartbeat,
+        Stream::SysStatus,
+        Stream::SystemTime,
+        Stream::Attitude,
+        Stream::GlobalPositionInt,
+        Stream::VfrHud,
+        Stream::GpsRawInt,
+        Stream::MissionCurrent,
+        Stream::RawImu,
+        Stream::ScaledImu,
+        Stream::ScaledPressure,
+        Stream::HighresImu,
+        Stream::Wind,
+        Stream::WindCov,
+        Stream::EkfStatusReport,
+        Stream::FenceStatus,
+        Stream::RcChannels,
+        Stream::GpsGlobalOrigin,
+        Stream::HomePosition,
+        Stream::BatteryStatus,
+        Stream::ExtendedSysState,
+        Stream::AutopilotVersion,
+        Stream::ProtocolVersion,
+        Stream::AttitudeQuaternion,
+        Stream::NavControllerOutput,
+        Stream::PositionTargetLocalNed,
+        Stream::PositionTargetGlobalInt,
+        Stream::Altitude,
+        Stream::Odometry,
+        Stream::LocalPositionNed,
+    ];
+
+    /// The message id of <https://mavlink.io/en/messages/ardupilotmega.html>, and of the common dialect within.
+    pub fn message_id(self) -> u32 {
+        match self {
+            Stream::Heartbeat => 0,
+            Stream::SysStatus => 1,
+            Stream::SystemTime => 2,
+            Stream::GpsRawInt => 24,
+            Stream::ScaledImu => 26,
+            Stream::RawImu => 27,
+            Stream::ScaledPressure => 29,
+            Stream::Attitude => 30,
+            Stream::AttitudeQuaternion => 31,
+            Stream::LocalPositionNed => 32,
+            Stream::GlobalPositionInt => 33,
+            Stream::MissionCurrent => 42,
+            Stream::GpsGlobalOrigin => 49,
+            Stream::NavControllerOutput => 62,
+            Stream::RcChannels => 65,
+            Stream::VfrHud => 74,
+            Stream::PositionTargetLocalNed => 85,
+            Stream::PositionTargetGlobalInt => 87,
+            Stream::HighresImu => 105,
+            Stream::Altitude => 141,
+            Stream::BatteryStatus => 147,
+            Stream::AutopilotVersion => 148,
+            Stream::Wind => 168,
+            Stream::EkfStatusReport => 193,
+            Stream::WindCov => 231,
+            Stream::FenceStatus => 162,
+            Stream::HomePosition => 242,
+            Stream::ExtendedSysState => 245,
+            Stream::ProtocolVersion => 300,
+            Stream::Odometry => 331,
+        }
+    }
+
+    pub fn from_message_id(id: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|stream| stream.message_id() == id)
+    }
+
+    /// The rate at which this stream comes by default, Hz; none if it comes only when it is asked for. Streams that share
+    /// one are a group of ArduPlane's.
+    fn default_rate_hz(self, rates: &mut TelemetryRates, personality: Personality) -> Option<&mut f64> {
+        match self {
+            // Of the sticks an ArduPlane tells unasked.
+            Stream::RcChannels if personality == Personality::ArduPlane => Some(&mut rates.sys_status_hz),
+            // What a PX4 sends beyond the others.
+            Stream::AttitudeQuaternion if personality == Personality::Px4 => Some(&mut rates.attitude_hz),
+            Stream::Altitude | Stream::WindCov | Stream::GpsGlobalOrigin if personality == Personality::Px4 => {
+                Some(&mut rates.system_time_hz)
+            }
+            Stream::Odometry | Stream::HighresImu if personality == Personality::Px4 => Some(&mut rates.raw_sensors_hz),
+
+            Stream::Heartbeat => Some(&mut rates.heartbeat_hz),
+            Stream::RawImu | Stream::ScaledPressure => Some(&mut rates.raw_sensors_hz),
+            Stream::SysStatus
+            | Stream::GpsRawInt
+            | Stream::MissionCurrent
+            | Stream::FenceStatus
+            | Stream::NavControllerOutput
+            | Stream::PositionTargetGlobalInt => Some(&mut rates.sys_status_hz),
+            Stream::SystemTime | Stream::Wind | Stream::BatteryStatus | Stream::EkfStatusReport => {
+                Some(&mut rates.system_time_hz)
+            }
+            Stream::Attitude => Some(&mut rates.attitude_hz),
+            Stream::GlobalPositionInt => Some(&mut rates.global_position_int_hz),
+            Stream::VfrHud => Some(&mut rates.vfr_hud_hz),
+            Stream::ExtendedSysState => Some(&mut rates.extended_sys_state_hz),
+            Stream::HomePosition => Some(&mut rates.home_position_hz),
+            Stream::LocalPositionNed => Some(&mut rates.local_position_ned_hz),
+            Stream::ScaledImu
+            | Stream::HighresImu
+            | Stream::WindCov
+            | Stream::RcChannels
+            | Stream::GpsGlobalOrigin
+            | Stream::AutopilotVersion
+            | Stream::ProtocolVersion
+            | Stream::AttitudeQuaternion
+            | Stream::PositionTargetLocalNed
+            | Stream::Altitude
+            | Stream::Odometry => None,
+        }
+    }
+
+    /// Changes the rate at which this stream comes by default.
+    pub fn set_default_rate(self, rates: &mut TelemetryRates, personality: Personality, rate_hz: f64) {
+        if let Some(rate) = self.default_rate_hz(rates, personality) {
+            *rate = rate_hz;
+        }
+    }
+
+    /// The time between two messages by default; none if the stream is off.
+    pub fn default_interval(self, rates: &TelemetryRates, personality: Personality) -> Option<Duration> {
+        let rate_hz = self.default_rate_hz(&mut { *rates }, personality).map_or(0.0, |rate| *rate);
+        (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
+    }
+}
+
+/// ArduPlane's groups, by which REQUEST_DATA_STREAM and the MAV1_ parameters set rates.
+pub(crate) mod groups {
+    use super::Stream;
+
+    pub const RAW_SENSORS: &[Stream] = &[Stream::RawImu, Stream::ScaledPressure];
+    pub const EXTENDED_STATUS: &[Stream] = &[
+        Stream::SysStatus,
+        Stream::GpsRawInt,
+        Stream::MissionCurrent,
+        Stream::FenceStatus,
+        Stream::NavControllerOutput,
+        Stream::PositionTargetGlobalInt,
+    ];
+    pub const RC_CHANNELS: &[Stream] = &[Stream::RcChannels];
+    pub const POSITION: &[Stream] = &[Stream::LocalPositionNed, Stream::GlobalPositionInt];
+    pub const EXTRA1: &[Stream] = &[Stream::Attitude];
+    pub const EXTRA2: &[Stream] = &[Stream::VfrHud];
+    pub const EXTRA3: &[Stream] = &[Stream::SystemTime, Stream::Wind, Stream::BatteryStatus, Stream::EkfStatusReport];
+    pub const ALL: &[&[Stream]] = &[RAW_SENSORS, EXTENDED_STATUS, RC_CHANNELS, POSITION, EXTRA1, EXTRA2, EXTRA3];
+}
+
+/// When each stream of one link is due next. A stream is due at whole multiples of its interval, without drift.
+#[derive(Clone, Debug)]
+pub(crate) struct Schedule {
+    interval: [Option<Duration>; Stream::COUNT],
+    due: [Duration; Stream::COUNT],
+    next: Duration,
+}
+
+impl Schedule {
+    pub fn new(rates: &TelemetryRates, personality: Personality, time: Duration) -> Self {
+        let interval = Stream::ALL.map(|stream| stream.default_interval(rates, personality));
+        let due = interval.map(|interval| next_multiple(interval, time));
+        let mut schedule = Self { interval, due, next: Duration::MAX };
+        schedule.find_next();
+        schedule
+    }
+
+    /// The earliest time at which anything is due; [`Duration::MAX`] if all is off.
+    pub fn next(&self) -> Duration {
+        self.next
+    }
+
+    /// The time between two messages of a stream; none if it is off.
+    pub fn interval(&self, stream: Stream) -> Option<Duration> {
+        self.interval[stream as usize]
+    }
+
+    /// Sets the time between two messages of a stream; none switches it off.
+    pub fn set_interval(&mut self, stream: Stream, interval: Option<Duration>, time: Duration) {
+        let index = stream as usize;
+        self.interval[index] = interval;
+        self.due[index] = next_multiple(interval, time);
+        self.find_next();
+    }
+
+    /// Takes what is due at `time`, in the order of [`Stream::ALL`].
+    pub fn take_due(&mut self, time: Duration) -> impl Iterator<Item = Stream> + use<> {
+        let mut taken = [false; Stream::COUNT];
+        if self.next <= time {
+            for (index, due) in self.due.iter_mut().enumerate() {
+                if *due <= time {
+                    taken[index] = true;
+                    *due = next_multiple(self.interval[index], time);
+                }
+            }
+            self.find_next();
+        }
+        Stream::ALL.into_iter().filter(move |stream| taken[*stream as usize])
+    }
+
+    fn find_next(&mut self) {
+        self.next = self.due.into_iter().min().unwrap_or(Duration::MAX);
+    }
+}
+
+/// The first whole multiple of an interval after `time`.
+fn next_multiple(interval: Option<Duration>, time: Duration) -> Duration {
+    let Some(interval) = interval.filter(|interval| !interval.is_zero()) else { return Duration::MAX };
+    let past_nanos = u64::try_from(time.as_nanos() % interval.as_nanos()).unwrap_or(0);
+    time.saturating_add(interval).saturating_sub(Duration::from_nanos(past_nanos))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn due_in(schedule: &mut Schedule, from_ms: u64, to_ms: u64) -> Vec<(u64, Stream)> {
+        (from_ms / 10 + 1..=to_ms / 10)
+            .flat_map(|step| schedule.take_due(Duration::from_millis(10 * step)).map(move |stream| (10 * step, stream)))
+            .collect()
+    }
+
+    #[test]
+    fn the_rates_are_kept_without_drift() {
+        let rates = TelemetryRates { attitude_hz: 30.0, ..TelemetryRates::default() };
+        let mut schedule = Schedule::new(&rates, Personality::ArduPlane, Duration::ZERO);
+        let sent = due_in(&mut schedule, 0, 60_000);
+        let count = |stream| sent.iter().filter(|(_, sent)| *sent == stream).count();
+        assert_eq!(count(Stream::LocalPositionNed), 600);
+        assert_eq!(count(Stream::Heartbeat), 60);
+        assert_eq!(count(Stream::VfrHud), 240);
+        assert!((1_799..=1_800).contains(&count(Stream::Attitude)));
+        assert_eq!(count(Stream::HomePosition), 30);
+        assert_eq!(count(Stream::ExtendedSysState), 120);
+        assert_eq!(count(Stream::AutopilotVersion), 0);
+    }
+
+    #[test]
+    fn an_interval_can_be_set_and_switched_off() {
+        let mut schedule = Schedule::new(&TelemetryRates::OFF, Personality::Px4, Duration::ZERO);
+        assert_eq!(schedule.next(), Duration::MAX);
+        schedule.set_interval(Stream::HomePosition, Some(Duration::from_millis(50)), Duration::from_millis(70));
+        let times: Vec<u64> = due_in(&mut schedule, 70, 200).into_iter().map(|(time, _)| time).collect();
+        assert_eq!(times, [100, 150, 200]);
+        schedule.set_interval(Stream::HomePosition, None, Duration::from_millis(200));
+        assert_eq!(due_in(&mut schedule, 200, 1_000), []);
+    }
+}
