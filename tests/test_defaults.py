@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 from lists import Lists
-from pymavlink import mavutil
+from pymavlink import mavparm
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from test_parameters import read, write
 
@@ -134,7 +134,7 @@ def test_mavutil_loads_and_saves_what_it_reads(start_vehicles, scenario, paramet
     craft = start_vehicles(scenario(), "--defaults", parameter_file(PLANE)).connect()[0]
     lists = Lists(craft.link, [craft.system])
     lists.fetch()
-    saved = mavutil.mavparm.MAVParmDict()
+    saved = mavparm.MAVParmDict()
     for value in lists.found[craft.system].values():
         saved[value.param_id] = value.param_value
     saved.save(str(tmp_path / "saved.parm"))

@@ -140,7 +140,8 @@ fn a_write_is_told_to_everybody_and_a_refusal_to_who_asked() {
     assert_eq!(heard.len(), 2);
     assert!(heard.values().all(|values| values.len() == 1 && values[0].param_value == 45.0));
 
-    let before = client.vehicle.set_parameters().collect::<Vec<_>>();
+    let owned = |(name, value): (&str, f64)| (name.to_owned(), value);
+    let before = client.vehicle.set_parameters().map(owned).collect::<Vec<_>>();
     for (name, value, error) in [
         ("WP_LOITER_RAD", f32::NAN, MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE),
         ("AIRSPEED_MAX", f32::INFINITY, MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE),
@@ -154,7 +155,7 @@ fn a_write_is_told_to_everybody_and_a_refusal_to_who_asked() {
         assert_eq!(errors(&answer), [error]);
         assert!(texts(&answer)[0].contains(name), "{name}");
     }
-    assert_eq!(client.vehicle.set_parameters().collect::<Vec<_>>(), before);
+    assert_eq!(client.vehicle.set_parameters().map(owned).collect::<Vec<_>>(), before);
 }
 
 #[test]
