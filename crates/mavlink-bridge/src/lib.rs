@@ -49,7 +49,7 @@ pub mod udp;
 pub use ardupilot::{ArduPilotMessage, ekf_status_report, wind};
 pub use command::{Command, CommandPosition};
 pub use coordinates::{AltitudeDatum, LatLonE7, mav_frame};
-pub use counters::{Counters, SequenceTracker};
+pub use counters::{Counters, Order, SequenceTracker};
 pub use datagram::{Frames, frames, messages};
 pub use dialect::{Message, Target};
 pub use encoder::Encoder;
