@@ -15,7 +15,7 @@ use crate::links::PeerId;
 use crate::links::Transmit;
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
-use crate::parameters::{Parameter, ParameterRefused, Parameters};
+use crate::parameters::{Parameter, Parameters};
 use crate::protocol::mission::{PlanKind, Uploads};
 use crate::protocol::parameter::{Listings, Pace};
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
@@ -142,11 +142,7 @@ impl Vehicle {
             wire: Counters::default(),
             settings,
         };
-        let defaults = std::mem::take(&mut vehicle.settings.default_parameters);
-        let kept = std::mem::take(&mut vehicle.settings.parameters);
-        vehicle.take_parameters(defaults)?;
-        vehicle.parameters.make_defaults();
-        vehicle.take_parameters(kept)?;
+        vehicle.start_parameters()?;
         let plans = std::mem::take(&mut vehicle.settings.plans);
         vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
@@ -157,17 +153,6 @@ impl Vehicle {
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
-    }
-
-    fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
-        for (name, value) in values {
-            let taken = match self.parameters.named(&name) {
-                Some(known) => self.set_parameter(known, value),
-                None => Err(ParameterRefused::Unknown(name.clone())),
-            };
-            taken.map_err(|refused| SettingsError::Parameter { name, reason: refused.to_string() })?;
-        }
-        Ok(())
     }
 
     /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
@@ -298,8 +283,13 @@ impl Vehicle {
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
-    pub fn set_parameters(&self) -> impl Iterator<Item = (&'static str, f32)> {
+    pub fn set_parameters(&self) -> impl Iterator<Item = (&str, f64)> {
         self.parameters.kept()
+    }
+
+    /// Names of the parameters that come from a parameter file and change nothing: clients list, read and set them.
+    pub fn inert_parameters(&self) -> impl Iterator<Item = &str> {
+        self.parameters.inert_names()
     }
 
     /// Whether a parameter has been set since this was last asked.
