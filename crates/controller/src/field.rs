@@ -27,6 +27,7 @@ pub struct Expected {
 
 impl Expected {
     /// The unit vector along the expected course (north, east).
+    #[inline]
     pub fn direction(&self) -> Vector2<f64> {
         course_vector(self.course_rad)
     }
@@ -34,11 +35,13 @@ impl Expected {
 
 impl Obstacle {
     /// Its centre (north, east), m.
+    #[inline]
     pub fn centre_m(&self) -> Vector2<f64> {
         Vector2::new(self.x_m, self.y_m)
     }
 
     /// Distance from a position (north, east), m, to the edge, m; negative inside.
+    #[inline]
     pub fn clearance_m(&self, position_m: Vector2<f64>) -> f64 {
         (self.centre_m() - position_m).norm() - self.radius_m
     }

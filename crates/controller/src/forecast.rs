@@ -147,6 +147,7 @@ impl Forecast {
 
 impl Passage {
     /// (North, east), m.
+    #[inline]
     pub fn position_m(&self) -> Vector2<f64> {
         Vector2::new(self.x_m, self.y_m)
     }

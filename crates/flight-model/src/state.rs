@@ -37,11 +37,13 @@ impl State {
     }
 
     /// Horizontal position (north, east) of the origin, m.
+    #[inline]
     pub fn position_m(&self) -> Vector2<f64> {
         Vector2::new(self.x_m, self.y_m)
     }
 
     /// Horizontal velocity (north, east), m/s.
+    #[inline]
     pub fn velocity_mps(&self) -> Vector2<f64> {
         course_vector(self.course_rad) * self.speed_mps
     }
@@ -55,6 +57,7 @@ impl State {
 }
 
 /// The unit vector (north, east) along a course in rad from north towards east.
+#[inline]
 pub fn course_vector(course_rad: f64) -> Vector2<f64> {
     let (sin, cos) = libm::sincos(course_rad);
     Vector2::new(cos, sin)

@@ -30,6 +30,7 @@ impl Wind {
     }
 
     /// Its horizontal part (north, east), m/s.
+    #[inline]
     pub fn horizontal_mps(&self) -> Vector2<f64> {
         Vector2::new(self.north_mps, self.east_mps)
     }
