@@ -1,4 +1,4 @@
-//! Where the flock flies: the obstacles and what is expected of every vehicle.
+//! The field: obstacles, and the expected velocity and altitude of the flock.
 
 use flight_model::course_vector;
 use nalgebra::Vector2;
@@ -14,7 +14,7 @@ pub struct Obstacle {
     pub radius_m: f64,
 }
 
-/// What the flock is to do (v_e and h_e of the paper).
+/// The velocity and altitude that the flock is to fly (v_e and h_e of the paper).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
     /// V_e, m/s.

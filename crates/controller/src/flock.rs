@@ -125,9 +125,9 @@ impl Flock {
         }
     }
 
-    /// Looks at all commands together before they go out: each was decided without knowledge of the others, and two
-    /// that dodge each other may dodge into each other. One by one, in their order, vehicles that would come too near
-    /// change their command, knowing those of all others.
+    /// Checks all commands together before they are sent: each was chosen without knowledge of the others, and two
+    /// vehicles that evade each other may turn into each other. One by one, in their order, vehicles that would come
+    /// too near change their command, knowing those of all others.
     fn deconflict(&mut self, states: &[State]) {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);

@@ -1,11 +1,11 @@
-//! Who is near whom.
+//! The nearest neighbours of a vehicle.
 
 use flight_model::State;
 
 /// A snapshot of the flock sorted by northing, in which the neighbours of a place are found in a window.
 ///
-/// A flock is long and thin or a blob: one sorted axis prunes well enough, costs a sort a tick and nothing else. Next
-/// to a solve (a hundred microseconds) the search of one window is nothing even for thousands of vehicles.
+/// One sorted axis is enough: it costs one sort per tick, and the search of one window takes little time compared with
+/// a solve (a hundred microseconds), even for thousands of vehicles.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
     by_northing: Vec<u32>,

@@ -67,7 +67,7 @@ impl SecondOrder {
         let variance_slow = variance_fast - (x + 0.5 * x * x) * decay;
         let deviation = variance_fast.sqrt();
         let shared = if deviation > 0.0 { covariance / deviation } else { 0.0 };
-        // Rounding must not make a root of what is left of a small variance impossible.
+        // Rounding can make the rest of a small variance negative.
         let rest = (variance_slow - shared * shared).max(0.0).sqrt();
         let (fast, slow) = (self.fast, self.slow);
         let decay = libm::exp(-passed);

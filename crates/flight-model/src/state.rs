@@ -1,4 +1,4 @@
-//! What a vehicle does and what it is asked to do.
+//! The state of a vehicle and its setpoint.
 
 use nalgebra::Vector2;
 
@@ -19,7 +19,7 @@ pub struct State {
     pub climb_mps: f64,
 }
 
-/// The inputs of the three autopilots (V_c, phi_c, H_c of Eq. 1).
+/// The setpoints of the three autopilots (V_c, phi_c, H_c of Eq. 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setpoint {
     /// Horizontal speed, m/s.

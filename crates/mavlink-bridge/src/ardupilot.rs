@@ -1,5 +1,5 @@
 //! Messages of ArduPilot's own dialect (<https://mavlink.io/en/messages/ardupilotmega.html>) that its clients wait for
-//! and the common dialect does not have. They are written from their fields, in the order of the wire; read they are
+//! and the common dialect does not have. They are written from their fields, in the order of the wire, and are read
 //! only as frames.
 
 use crate::{Encoder, telemetry::down};

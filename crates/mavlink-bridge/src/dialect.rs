@@ -8,7 +8,7 @@ pub use mavlink::dialects::common::*;
 /// Any message of the dialect.
 pub use mavlink::dialects::common::MavMessage as Message;
 
-/// What every message can tell of itself: its id, its name, the system and component that it is addressed to.
+/// Common methods of all messages: id, name, target system and component.
 pub use mavlink::Message as DialectMessage;
 
 /// The address of a message: a component of a system. Zero means all of them.

@@ -26,8 +26,8 @@ pub struct Encoder {
     pub system_id: u8,
     /// Component id of the sender.
     pub component_id: u8,
-    /// Version to write. A message that MAVLink 1 cannot carry, having an id above 255, is written as MAVLink 2 all the
-    /// same: a peer that knows only MAVLink 1 passes over it.
+    /// Version to write. A message with an id above 255, which MAVLink 1 cannot carry, is written as MAVLink 2 in any
+    /// case: a peer that knows only MAVLink 1 skips it.
     pub version: Version,
     sequence: u8,
 }

@@ -1,9 +1,9 @@
 //! The mission protocol on the wire (<https://mavlink.io/en/services/mission.html>).
 //!
-//! Messages are read from the frame itself: an item with a command or a frame that the dialect does not know must still
-//! be refused, or its sender would wait for a time-out.
+//! Messages are read from the frame itself: an item with a command or a frame that the dialect does not know must be
+//! answered with a refusal, or its sender waits for a time-out.
 
-// Clients still speak what the dialect calls superseded, and ArduPlane answers.
+// Clients still use messages that the dialect marks as superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
 use crate::coordinates::{AltitudeDatum, LatLonE7};
@@ -24,7 +24,7 @@ pub struct PlanItem {
     pub latitude_e7: i32,
     /// Longitude, 1e-7 degrees.
     pub longitude_e7: i32,
-    /// Altitude, m, above what the frame says.
+    /// Altitude, m, from the datum of the frame.
     pub z_m: f32,
     /// MAV_CMD.
     pub command: u16,
@@ -43,7 +43,7 @@ pub enum ItemKind {
     Float,
 }
 
-/// What somebody says about a plan.
+/// A message of the mission protocol.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanMessage {
     /// MISSION_REQUEST_LIST.
@@ -60,7 +60,7 @@ pub enum PlanMessage {
         seq: u16,
         /// What it says.
         item: PlanItem,
-        /// 1 for the item that is flown at present; 2 to fly there now, 3 to change altitude now, outside any mission.
+        /// 1 for the item that is being flown; 2 to fly there now and 3 to change altitude now, outside any mission.
         current: u8,
         /// Which of the two messages.
         kind: ItemKind,
@@ -95,7 +95,7 @@ impl PlanMessage {
     }
 }
 
-/// An item as it is sent.
+/// An item to send.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanItemMessage<'a> {
     /// MAV_MISSION_TYPE: which plan it is of. Lost in MAVLink 1, which knows only missions.
@@ -112,7 +112,7 @@ pub struct PlanItemMessage<'a> {
     pub to: Target,
 }
 
-/// The message about a plan in a frame, whom it is for, and the MAV_MISSION_TYPE; none if the frame is something else.
+/// The mission protocol message in a frame: its target, its MAV_MISSION_TYPE and the message; none for another frame.
 pub(crate) fn plan_message(frame: &Frame<'_>) -> Option<(Target, u8, PlanMessage)> {
     let two = |start: usize| [frame.payload_byte(start), frame.payload_byte(start + 1)];
     let number = |start: usize| u16::from_le_bytes(two(start));
@@ -141,7 +141,7 @@ fn item(frame: &Frame<'_>, kind: ItemKind) -> PlanMessage {
     let real = |start: usize| f32::from_le_bytes(four(start));
     let place = |start: usize| match kind {
         ItemKind::Int => i32::from_le_bytes(four(start)),
-        // What is no number or too large becomes no place on earth.
+        // A value that is not finite or too large becomes an invalid latitude or longitude.
         ItemKind::Float if real(start).is_finite() => (f64::from(real(start)) * 1e7).round() as i32,
         ItemKind::Float => i32::MAX,
     };

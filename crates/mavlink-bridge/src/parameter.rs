@@ -1,8 +1,8 @@
 //! Parameters on the wire (<https://mavlink.io/en/services/parameter.html>), as ArduPilot has them: the value is always
 //! a `f32`, whatever type the parameter is of.
 //!
-//! Requests are read from the frame itself: ArduPilot does not look at the type that a writer gives, so that one which
-//! the dialect does not know must not hide the request. PX4 looks, and has integers by their bytes.
+//! Requests are read from the frame itself: ArduPilot ignores the type that a writer gives, so a type that the dialect
+//! does not know must not hide the request. PX4 reads the type, and encodes integers by their bytes.
 
 use crate::dialect::{
     MavParamError, MavParamType, Message, PARAM_ERROR_DATA, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA,
@@ -14,7 +14,7 @@ use mavlink::MessageData;
 /// The longest name of a parameter, bytes.
 pub const PARAMETER_NAME_MAX: usize = 16;
 
-/// What somebody wants of a vehicle's parameters.
+/// A request of the parameter protocol.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterRequest {
     /// PARAM_REQUEST_LIST: all of them.
@@ -34,7 +34,7 @@ pub enum ParameterRequest {
     },
 }
 
-/// The parameter request in a frame and whom it is for; none if the frame is something else.
+/// The parameter request in a frame and its target; none for another frame.
 pub(crate) fn parameter_request(frame: &Frame<'_>) -> Option<(Target, ParameterRequest)> {
     let four = |start: usize| std::array::from_fn(|index| frame.payload_byte(start + index));
     match frame.header.message_id {

@@ -1,4 +1,4 @@
-//! Setpoints as messages for an autopilot, and what a vehicle reads of them.
+//! Setpoints as messages for an autopilot, and back.
 
 use crate::Target;
 use crate::dialect::{
@@ -77,8 +77,8 @@ pub fn setpoint_from_local_ned(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> R
     if partial.is_finite() { Ok(partial) } else { Err(SetpointError::NotFinite) }
 }
 
-/// Exactly what a vehicle makes of [`local_ned_setpoint`]: a run in memory rounds with it, to have the same bits as a
-/// run over the wire. Twice is the same as once.
+/// The setpoint that a vehicle reads from [`local_ned_setpoint`]: a run in memory rounds with it, to have the same bits
+/// as a run over the wire. Rounding twice is the same as once.
 pub fn wire_round_setpoint(setpoint: &Setpoint) -> Setpoint {
     let data = local_ned_data(0, Target::default(), setpoint);
     let (speed_mps, course_rad) = speed_and_course(Vector2::new(data.vx, data.vy).cast());
@@ -172,7 +172,7 @@ pub(crate) fn course_deg(course_rad: f64) -> Result<f32, SetpointError> {
     Ok(if degrees >= 360.0 { 0.0 } else { degrees })
 }
 
-/// ArduPlane denies 0 and -1, and dies of what rounds to 0 cm.
+/// ArduPlane denies 0 and -1, and crashes on an altitude that rounds to 0 cm.
 pub(crate) fn flyable_altitude_m(altitude_m: f32) -> f32 {
     const LEAST_M: f32 = 0.02;
     if altitude_m.abs() < LEAST_M {

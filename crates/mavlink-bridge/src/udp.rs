@@ -1,6 +1,6 @@
 //! A UDP link: one socket, any number of peers.
 //!
-//! Client and server are the same thing: a client is bound to port 0 and speaks first to a peer that it knows. The
+//! Client and server are the same: a client is bound to port 0 and sends first to a peer that it knows. The
 //! shells of further transports (TCP, serial) belong beside this file.
 
 use crate::{Counters, Impairment, ImpairmentError, ImpairmentSettings};
@@ -124,8 +124,8 @@ impl UdpLink {
         counters
     }
 
-    /// Sends a datagram, or hands it to the impairment. What the socket refuses is counted and lost, as UDP is. What
-    /// the impairment delays is sent by later calls of any method here, and while [`recv`](Self::recv) waits.
+    /// Sends a datagram, or hands it to the impairment. A datagram that the socket refuses is counted and lost, as in
+    /// UDP. Delayed datagrams are sent by later calls of any method here, and while [`recv`](Self::recv) waits.
     pub async fn send_to(&mut self, datagram: &[u8], address: SocketAddr) {
         if self.outbound.is_none() {
             let result = self.socket.send_to(datagram, address).await;

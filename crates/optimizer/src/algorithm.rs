@@ -1,4 +1,4 @@
-//! The optimisers by name: which there are, and the settings of each. A new one is its own file and one line here.
+//! The optimisers by name, and the settings of each. A new optimiser is one file and one line here.
 
 use serde::{Deserialize, Serialize};
 
@@ -138,7 +138,7 @@ mod tests {
         settings.nsga2.population = 7;
         let (algorithm, error) = settings.validate().expect_err("odd");
         assert_eq!((algorithm, error.setting, error.value), (Algorithm::Nsga2, "population", 7.0));
-        // It lies idle.
+        // It is not in use.
         assert!(settings.build().is_ok());
     }
 }

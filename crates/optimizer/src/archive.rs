@@ -66,7 +66,7 @@ impl Archive {
         }
     }
 
-    /// Merges two fronts that are both in lexicographic order, so that nobody is dominated by who comes later.
+    /// Merges two fronts that are both in lexicographic order, so that no member is dominated by a later one.
     fn merge(&mut self, candidates: &Candidates<'_>, costs: &Costs<'_>, front: &[u32]) {
         let mut members = 0;
         for &candidate in front {
@@ -98,7 +98,7 @@ impl Archive {
         pairs.find(|(member, candidate)| member != candidate).is_none_or(|(member, candidate)| member < candidate)
     }
 
-    /// Members do not dominate each other: only who was taken before them now may cover them.
+    /// Members do not dominate each other: only a member that was taken before can dominate the next one.
     fn merge_member(&mut self, row: u32) {
         if self.is_covered(&self.taken, |k| self.cost(row, k)) {
             self.free.push(row);

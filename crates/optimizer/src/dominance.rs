@@ -69,7 +69,7 @@ impl<'a> Costs<'a> {
         (0..self.count).all(|k| self.cost(a, k) == self.cost(b, k)) && self.violation[a] == self.violation[b]
     }
 
-    /// By violation, then objective after objective: who dominates comes before whom it dominates.
+    /// By violation, then objective by objective: a candidate comes before the candidates that it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
         let objectives = (0..self.count).map(|k| compare(self.cost(a, k), self.cost(b, k)));
         let violation = compare(self.violation[a], self.violation[b]);
@@ -160,7 +160,7 @@ impl Entries {
         (key & self.number) as usize
     }
 
-    /// Whether only a look at the costs tells two candidates apart.
+    /// Whether two candidates can be told apart only by their costs.
     fn tied(&self, a: u64, b: u64) -> bool {
         (a ^ b) & !self.number == 0
     }

@@ -1,5 +1,5 @@
-//! How good a front is: hypervolume and IGD+. Every objective is minimised; a point is a row with one value per
-//! objective.
+//! Quality indicators of a front: hypervolume and IGD+. Every objective is minimised; a point is a row with one value
+//! per objective.
 
 use crate::optimizer::Front;
 

@@ -1,9 +1,8 @@
 //! Multi-objective pigeon-inspired optimisation (MPIO), to which Ruan and Duan compare MSLPIO: after Qiu and Duan, "A
 //! multi-objective pigeon-inspired optimization approach to UAV distributed flocking among obstacles", 2020.
 //!
-//! Ruan and Duan describe MPIO by reference only, and the page of readings (no. 15) says no more than this: the map and
-//! compass operator and the landmark operator in one update, a global leader from the archive, no social factor. What
-//! is flown is
+//! Ruan and Duan describe MPIO by reference only. Reading 15 of docs/reading.md is: the map and compass operator and
+//! the landmark operator in one update, a global leader from the archive, no social factor. The update is
 //!
 //! N^nc = N^(nc-1) - N_removed,
 //! V_i^nc = V_i^(nc-1) e^(-R nc) + rand tr (1 - w) (X_gbest - X_i^(nc-1)) + rand tr w (X_center^(nc-1) - X_i^(nc-1)),
@@ -13,8 +12,8 @@
 //! place of a model for each pigeon: this is what social learning is compared to. And a transition factor tr with a
 //! weight w that goes from the first operator to the second, from 0 at the first iteration to 1 at the last, in place
 //! of c1 and c2. **The equation is our reading**: the weight, tr, and the way the leader is drawn have not been checked
-//! against Qiu and Duan, whose text was not at hand. All else (sorting, archive, centre, who leaves, limits) is as in
-//! [`crate::Mslpio`].
+//! against Qiu and Duan, whose text we did not have. Everything else (sorting, archive, centre, removal, limits) is as
+//! in [`crate::Mslpio`].
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -87,7 +86,7 @@ impl MpioSettings {
     }
 
     /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
-    /// generation: what makes optimisers comparable. Nobody leaves the flock.
+    /// generation: what makes optimisers comparable. No pigeon is removed.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         let iterations = generations.saturating_sub(1);
         Self { population: candidates, iterations, removed_per_iteration: 0, archive_capacity: candidates, ..self }

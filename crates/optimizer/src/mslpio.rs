@@ -17,12 +17,12 @@ use crate::stream::Stream;
 pub struct MslpioSettings {
     /// M of Eq. 13: pigeons, but for one more per five dimensions. At least 1. The paper: 50.
     pub base_population: usize,
-    /// D of Eq. 13, c1 and c2, from 1 to `base_population`. The paper says 5 for its factor of fewer dimensions, so it
-    /// is a setting and not the problem's number of dimensions.
+    /// D of Eq. 13, c1 and c2, from 1 to `base_population`. The paper gives 5, which is more than its number of
+    /// dimensions: so D is a setting, independent of the problem.
     pub dimension_setting: usize,
-    /// Whether each pigeon learns from a model of its own, which is the paper's social learning. If not, one leader is
-    /// drawn from the archive at each iteration for all, as MPIO does it: a setting for those who ask what social
-    /// learning is worth.
+    /// Whether each pigeon learns from its own model, which is the paper's social learning. If false, all pigeons
+    /// follow one leader that is drawn from the archive at each iteration, as in MPIO: this setting measures the effect
+    /// of social learning.
     pub social_learning: bool,
     /// The social coefficient a of c2, at least 0. The paper: 0.5.
     pub social_coefficient: f64,
@@ -38,8 +38,8 @@ pub struct MslpioSettings {
     /// (ZDT1, ZDT3), and towards 1 it finds less of a front inside them.
     pub velocity_limit: f64,
     /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it, and neither
-    /// does the default, 700, which is more than the 651 candidates of a solve. See [`crate::archive::Archive`] for who
-    /// leaves.
+    /// does the default, 700, which is more than the 651 candidates of a solve. [`crate::archive::Archive`] says which
+    /// members leave.
     pub archive_capacity: usize,
 }
 
@@ -88,7 +88,7 @@ impl MslpioSettings {
     }
 
     /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
-    /// generation: what makes optimisers comparable. Nobody leaves the flock.
+    /// generation: what makes optimisers comparable. No pigeon is removed.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         Self {
             base_population: factors::base_population(candidates, self.dimension_setting),

@@ -1,4 +1,4 @@
-//! The generation that an optimiser works on: positions, and what the problem says they cost.
+//! The current generation of an optimiser: positions, and their costs.
 
 use rand::Rng;
 
@@ -75,7 +75,7 @@ impl Population {
         self.violation.reserve(len);
     }
 
-    /// Becomes `len` candidates whose positions are 0 until someone writes them, and whose costs are void.
+    /// Makes `len` candidates with positions of 0 and no costs yet.
     pub fn reset(&mut self, len: usize, dimensions: usize, objectives: usize) {
         (self.len, self.dimensions, self.objectives) = (len, dimensions, objectives);
         self.costs.clear();

@@ -96,7 +96,7 @@ pub struct Candidates<'a> {
 
 impl<'a> Candidates<'a> {
     /// `len` candidates from their coordinates, dimension after dimension (`positions[d * len + i]`).
-    /// What is left over after the last full column is ignored.
+    /// Values after the last full column are ignored.
     pub fn new(positions: &'a [f64], len: usize) -> Self {
         Self { positions, len }
     }

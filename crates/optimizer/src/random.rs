@@ -1,5 +1,5 @@
-//! Random search: every candidate is drawn anew. What learns nothing is the control of every comparison, and the
-//! shortest example of an optimiser: docs/extending.md walks through this file.
+//! Random search: every candidate is drawn independently. It learns nothing, and so is the control of every comparison;
+//! it is also the shortest example of an optimiser, which docs/extending.md walks through.
 
 use rand::Rng;
 use serde::{Deserialize, Serialize};

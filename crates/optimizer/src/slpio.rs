@@ -113,8 +113,9 @@ impl SlpioSettings {
 /// of all that it judged, and one objective.
 ///
 /// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now
-/// (by violation, then cost), so the best pigeons, who have none, stay where they are, as in the SL-PSO of Cheng and
-/// Jin; `rand` is drawn for each pigeon and dimension uniformly from [0, 1); and the N_removed who leave are the worst.
+/// (by violation, then cost), so the best pigeons, which have none, stay where they are, as in the SL-PSO of Cheng and
+/// Jin; `rand` is drawn for each pigeon and dimension uniformly from [0, 1); and the N_removed worst pigeons are
+/// removed.
 #[derive(Clone, Debug)]
 pub struct Slpio {
     settings: SlpioSettings,
@@ -123,11 +124,11 @@ pub struct Slpio {
     demonstrators: Vec<u32>,
     x_model: Vec<f64>,
     draws: Vec<u32>,
-    /// What a problem of several objectives says of each.
+    /// The costs of the inner problem's objectives.
     objectives: Vec<f64>,
 }
 
-/// In place of a demonstrator, of a pigeon to whom nobody is superior.
+/// Stands for no demonstrator: no pigeon is better than this one.
 const NOBODY: u32 = u32::MAX;
 
 impl Slpio {

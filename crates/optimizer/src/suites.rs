@@ -99,7 +99,7 @@ impl TestProblem {
                 let mut front = Vec::new();
                 for f1 in along {
                     let f2 = 1.0 - f1.sqrt() - f1 * libm::sin(10.0 * PI * f1);
-                    // On the front is who is better in f2 than all with less f1.
+                    // A point is on the front if its f2 is less than that of all points with a smaller f1.
                     if f2 < least {
                         least = f2;
                         front.push(vec![f1, f2]);

@@ -1,6 +1,6 @@
 //! Positions on the globe: GLOBAL_POSITION_INT, GPS_RAW_INT and GPS_GLOBAL_ORIGIN.
 
-// Clients still ask for what the dialect calls superseded.
+// Clients still request messages that the dialect marks as superseded.
 #![allow(deprecated)]
 
 use super::heading_cdeg;
