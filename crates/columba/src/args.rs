@@ -68,6 +68,7 @@ Examples:
                                            two hundred behind one port, told apart by their system ids
   columba vehicles --swarm swarminit.txt   starts as ArduPilot's sim_vehicle.py --swarm reads them
   columba vehicles --param WP_LOITER_RAD=80 --param FS_GCS_ENABL=1
+  columba vehicles --defaults plane.parm   with the parameters of a real autopilot, as it or a ground station saved them
 
 A vehicle answers whoever speaks to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends it.";
 

@@ -1,6 +1,7 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use super::obstacles::{ObstacleTable, ObstaclesTable};
+use super::parameters::ParametersTable;
 use super::swarm::Place;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use flight_model::{Dynamics, Limits, RangeError, TimeConstants};
@@ -9,7 +10,6 @@ use optimizer::OptimizerSettings;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use sim_vehicle::{TelemetryRates, VehicleSettings};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -52,9 +52,9 @@ pub struct ScenarioFile {
     /// What they do beside flying.
     #[serde(default)]
     pub autopilot: AutopilotTable,
-    /// The vehicles' parameters at the start, by name.
+    /// The vehicles' parameters at the start.
     #[serde(default)]
-    pub parameters: BTreeMap<String, f64>,
+    pub parameters: ParametersTable,
     /// The link.
     #[serde(default)]
     pub link: LinkTable,

@@ -46,6 +46,8 @@ enum Kind {
     Choice(fn() -> Vec<PossibleValue>),
     /// None: the flag itself says `true`.
     Switch,
+    /// A path; may be given several times, and adds to what lies beneath.
+    Files,
     /// `NAME=VALUE`, an entry of a table; may be given several times.
     Entry,
 }
@@ -144,6 +146,16 @@ const FLAGS: &[Flag] = &[
         removes: &["vehicles.file"],
         requires: Some("count"),
         conflicts: &["swarm"],
+        ..FLAG
+    },
+    Flag {
+        name: "defaults",
+        key: "parameters.files",
+        kind: Kind::Files,
+        value: "FILE",
+        help: "Parameter file of ArduPilot, PX4 or a ground station: the vehicles start with its values. Parameters that they \
+               do not use are kept for clients. May be given several times; the last value of a name counts",
+        commands: &[VEHICLES],
         ..FLAG
     },
     Flag {
@@ -346,6 +358,9 @@ impl Flag {
                 arg.value_name(self.value).value_parser(OsStringValueParser::new()).allow_negative_numbers(true)
             }
             Kind::Text => arg.value_name(self.value).value_parser(OsStringValueParser::new()),
+            Kind::Files => {
+                arg.value_name(self.value).value_parser(OsStringValueParser::new()).action(ArgAction::Append)
+            }
             Kind::Entry => arg.value_name(self.value).value_parser(entry).action(ArgAction::Append),
         }
     }
@@ -369,6 +384,7 @@ impl Flag {
                 let (name, value) = value.split_once('=')?;
                 self.layer(&text, &format!("{}.{}", self.key, name.trim()), &number(value.trim()))
             }
+            Kind::Files => self.layer(&text, self.key, &format!("[{}]", quoted(&value))),
             Kind::Number => self.layer(&text, self.key, &number(value.trim())),
             _ => self.layer(&text, self.key, &quoted(&value)),
         };

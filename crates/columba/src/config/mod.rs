@@ -1,6 +1,7 @@
 //! Scenario files: read, checked, and turned into what flies.
 //!
-//! `file.rs` is the file as written, `check/` its rules; `swarm.rs` a file of starts. Presets, flags and contenders are
+//! `file.rs` is the file as written, `check/` its rules; `swarm.rs` a file of starts, `parameters.rs`
+//! parameter files. Presets, flags and contenders are
 //! layers over the file: `layer.rs` is one of them, `provenance.rs` all of them together, `flags.rs` says which flag sets
 //! which key, `contender.rs` reads those of a comparison. `source.rs`, `locate.rs`, `fault.rs` and `diagnostics.rs` say
 //! what is wrong, and where.
@@ -14,6 +15,7 @@ pub mod flags;
 mod layer;
 mod locate;
 mod obstacles;
+mod parameters;
 mod patterns;
 mod provenance;
 mod scenario;
@@ -109,6 +111,9 @@ fn tables(source: &Source, over: &[&Layer]) -> Result<(ScenarioFile, Provenance)
 fn read(provenance: &Provenance, faults: &mut Faults) -> Option<ScenarioFile> {
     let mut file: ScenarioFile = provenance.read(faults)?;
     read_swarm(&mut file, provenance, faults);
+    if let Err(error) = file.parameters.read(&provenance.paths("parameters", "files")) {
+        faults.add_placed([(0, error)]);
+    }
     check::tables(&file, faults);
     Some(file)
 }

@@ -6,6 +6,7 @@ use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use mavlink_bridge::ImpairmentSettings;
 use optimizer::OptimizerSettings;
+use sim_vehicle::ParameterFile;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -44,6 +45,8 @@ pub struct Scenario {
     pub autopilot: AutopilotTable,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,
+    /// Parameter files, which these override.
+    pub parameter_files: ParameterFile,
     /// The link.
     pub link: Link,
     /// The run's folder.
@@ -108,7 +111,8 @@ impl Scenario {
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
-            parameters: file.parameters.into_iter().map(|(name, value)| (name, value as f32)).collect(),
+            parameter_files: file.parameters.read,
+            parameters: file.parameters.values.into_iter().map(|(name, value)| (name, value as f32)).collect(),
             link: Link {
                 host: file.link.host.parse().unwrap_or(IpAddr::from([127, 0, 0, 1])),
                 vehicle_port: file.link.vehicle_port,
