@@ -23,6 +23,7 @@ mod source;
 mod swarm;
 
 pub use contender::{Contender, Entry, read_contenders, refuse_reserved};
+pub use diagnostics::nearest;
 pub use file::{Pattern, Preset, SetpointDialect};
 pub use layer::Layer;
 pub use provenance::Provenance;

@@ -1,6 +1,7 @@
 //! The ground station: one socket, the fleet it hears, and the log of both.
 
-use super::{Log, vehicles::system_id};
+use super::Log;
+use super::vehicles::{reachable, system_id};
 use crate::config::Scenario;
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::telemetry::ground_heartbeat;
@@ -27,8 +28,10 @@ pub enum FlightError {
     #[error(transparent)]
     Link(#[from] LinkError),
     /// Vehicles without telemetry.
-    #[error("no telemetry from {} for {} s", name(.missing), .waited.as_secs())]
+    #[error("no telemetry on {address} for {} s from {}", .waited.as_secs(), name(.missing))]
     Silent {
+        /// Where it should have come.
+        address: SocketAddr,
         /// Their indices.
         missing: Vec<usize>,
         /// For how long.
@@ -77,8 +80,12 @@ impl GroundStation {
         let impairment = scenario.link.impairment;
         let settings =
             LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
+        let link = UdpLink::bind(address, settings)?;
+        if let Ok(address) = link.local_addr() {
+            tracing::debug!(%address, ?impairment, "ground station bound");
+        }
         Ok(Self {
-            link: UdpLink::bind(address, settings)?,
+            link,
             encoder: Encoder::new(GROUND.0, GROUND.1),
             fleet: Fleet::new([]),
             log: Log::default(),
@@ -94,13 +101,13 @@ impl GroundStation {
     pub fn expect(&mut self, vehicles: usize, addresses: Option<&[SocketAddr]>) {
         self.fleet = Fleet::new((0..vehicles).map(|index| Identity {
             system_id: system_id(index),
-            address: addresses.and_then(|addresses| addresses.get(index).copied()),
+            address: addresses.and_then(|addresses| addresses.get(index).copied()).map(reachable),
         }));
     }
 
-    /// Where vehicles find the ground, with the port that was really bound.
+    /// Where vehicles on this machine find the ground, with the port that was really bound.
     pub fn address(&self) -> Result<SocketAddr, LinkError> {
-        self.link.local_addr()
+        self.link.local_addr().map(reachable)
     }
 
     /// What was heard of every vehicle.
@@ -195,7 +202,7 @@ impl GroundStation {
                     self.send(vehicle, &[ground_heartbeat()], at_us).await;
                 },
                 () = tokio::time::sleep_until(deadline) => {
-                    return Err(FlightError::Silent { missing: silent(self), waited: patience });
+                    return Err(FlightError::Silent { address: self.address()?, missing: silent(self), waited: patience });
                 }
             }
         }
