@@ -3,12 +3,14 @@
 use super::Log;
 use super::vehicles::{reachable, system_id};
 use crate::config::Scenario;
+use flight_model::{RangeError, Ranges};
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{
     Counters, Encoder, Fleet, FleetEvent, Identity, LinkError, LinkSettings, Order, SequenceTracker, Target, UdpLink,
     messages,
 };
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -60,8 +62,37 @@ pub enum FlightError {
     Interrupted,
 }
 
+/// `[ground]`: how the ground station waits for vehicles.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GroundSettings {
+    /// In real time, a vehicle in flight that is silent for this long is warned of, and carried forward no further, s.
+    pub silence_s: f64,
+}
+
+impl Default for GroundSettings {
+    fn default() -> Self {
+        Self { silence_s: 3.0 }
+    }
+}
+
+impl GroundSettings {
+    /// Every setting that is out of its range.
+    pub fn check(&self) -> Vec<RangeError> {
+        let mut ranges = Ranges::default();
+        ranges.within("silence_s", self.silence_s, 0.1, 3600.0);
+        ranges.errors()
+    }
+
+    /// Silence that is worth a warning.
+    pub fn silence(&self) -> Duration {
+        Duration::from_secs_f64(self.silence_s)
+    }
+}
+
 /// The ground's end of the link.
 pub struct GroundStation {
+    settings: GroundSettings,
     link: UdpLink,
     encoder: Encoder,
     fleet: Fleet,
@@ -85,6 +116,7 @@ impl GroundStation {
             tracing::debug!(%address, ?impairment, "ground station bound");
         }
         Ok(Self {
+            settings: scenario.ground,
             link,
             encoder: Encoder::new(GROUND.0, GROUND.1),
             fleet: Fleet::new([]),
@@ -108,6 +140,11 @@ impl GroundStation {
     /// Where vehicles on this machine find the ground, with the port that was really bound.
     pub fn address(&self) -> Result<SocketAddr, LinkError> {
         self.link.local_addr().map(reachable)
+    }
+
+    /// How it waits for vehicles.
+    pub fn settings(&self) -> &GroundSettings {
+        &self.settings
     }
 
     /// What was heard of every vehicle.

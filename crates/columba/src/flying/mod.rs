@@ -11,7 +11,7 @@ mod recorder;
 mod vehicles;
 mod world;
 
-pub use ground_station::{FlightError, GroundStation};
+pub use ground_station::{FlightError, GroundSettings, GroundStation};
 pub use ground_truth::GroundTruth;
 pub use lockstep::Lockstep;
 pub use log::Log;

@@ -221,6 +221,7 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     }
     many::ports(file, faults);
     faults.add_ranges("link", link.impairment().check());
+    faults.add_ranges("ground", file.ground.check());
     if file.output.folder.as_deref().is_some_and(|folder| folder.trim().is_empty()) {
         faults.add("output.folder", "\"\"", "a folder's name");
     }
