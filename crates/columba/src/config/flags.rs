@@ -243,6 +243,14 @@ const FLAGS: &[Flag] = &[
         ..FLAG
     },
     Flag {
+        name: "patience",
+        key: "ground.patience_s",
+        value: "S",
+        help: "Seconds to wait before the flight for vehicles without telemetry. Default: 15, in lockstep 20",
+        commands: &[RUN, FLY],
+        ..FLAG
+    },
+    Flag {
         name: "loss",
         key: "link.loss",
         value: "SHARE",

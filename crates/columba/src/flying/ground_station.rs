@@ -30,7 +30,7 @@ pub enum FlightError {
     #[error(transparent)]
     Link(#[from] LinkError),
     /// Vehicles without telemetry.
-    #[error("no telemetry on {address} for {} s from {}", .waited.as_secs(), name(.missing))]
+    #[error("no telemetry on {address} for {} s from {}", .waited.as_secs_f64(), name(.missing))]
     Silent {
         /// Where it should have come.
         address: SocketAddr,
@@ -68,11 +68,14 @@ pub enum FlightError {
 pub struct GroundSettings {
     /// In real time, a vehicle in flight that is silent for this long is warned of, and carried forward no further, s.
     pub silence_s: f64,
+    /// Vehicles without a position, or that refuse a command, are given up after this before the flight, s; none: 15 in real
+    /// time, 20 in lockstep.
+    pub patience_s: Option<f64>,
 }
 
 impl Default for GroundSettings {
     fn default() -> Self {
-        Self { silence_s: 3.0 }
+        Self { silence_s: 3.0, patience_s: None }
     }
 }
 
@@ -81,6 +84,9 @@ impl GroundSettings {
     pub fn check(&self) -> Vec<RangeError> {
         let mut ranges = Ranges::default();
         ranges.within("silence_s", self.silence_s, 0.1, 3600.0);
+        if let Some(patience_s) = self.patience_s {
+            ranges.within("patience_s", patience_s, 0.1, 86_400.0);
+        }
         ranges.errors()
     }
 
@@ -206,8 +212,9 @@ impl GroundStation {
     /// Waits until every vehicle has said where it is, then sees to it that all are armed and in GUIDED.
     ///
     /// # Errors
-    /// A vehicle is silent or refuses a command for longer than `patience`.
+    /// A vehicle is silent or refuses a command for longer than `patience`, or what the settings say instead.
     pub async fn make_ready(&mut self, patience: Duration, at_us: u64) -> Result<(), FlightError> {
+        let patience = self.settings.patience_s.map_or(patience, Duration::from_secs_f64);
         self.muster(patience, at_us).await?;
         self.engage(patience, at_us).await
     }
