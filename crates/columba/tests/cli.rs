@@ -162,6 +162,18 @@ fn debug_tells_the_pre_flight_each_tick_and_the_link() {
 }
 
 #[test]
+fn fly_waits_no_longer_than_it_is_told_and_names_the_address() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    let port = common::free_ports(1).to_string();
+    let said = room
+        .columba(&["fly", "small.toml", "--ground-port", &port, "--patience", "0.3", "--no-report", "-q", "-o", "out"])
+        .with(1);
+    assert_eq!(said.err, format!("columba: no telemetry on 127.0.0.1:{port} for 0.3 s from vehicle 1\n"));
+    room.columba(&["fly", "--patience", "0"]).refused(&["columba: --patience 0: must be a number from 0.1 to 86400"]);
+}
+
+#[test]
 fn check_takes_files_of_contenders_and_tells_every_fault() {
     let room = Room::new();
     room.write("good.toml", "[[contender]]\nname = \"near\"\nlook_ahead.horizon_s = 1.5\n");
