@@ -97,7 +97,6 @@ fn a_misspelt_subcommand_is_answered_with_the_one_that_was_meant() {
         ("compair", "compare"),
         ("rum", "run"),
         ("chek", "check"),
-        ("flight", "fly"),
         ("suite", "suites"),
     ] {
         room.columba(&[typed]).refused(&[&format!("'{typed}'"), &format!("'{meant}'")]);
