@@ -5,6 +5,7 @@
 
 mod autopilot;
 mod counters;
+mod error;
 mod firmware;
 mod host;
 mod links;
@@ -17,6 +18,7 @@ mod telemetry;
 mod vehicle;
 mod world;
 
+pub use autopilot::plan::Plans;
 pub use counters::VehicleCounters;
 pub use firmware::Personality;
 pub use host::clock::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer, port_index};
@@ -25,6 +27,6 @@ pub use links::{PeerId, Transmit};
 pub use mode::{Mode, NoSuchMode};
 pub use parameters::file::ParameterFileError;
 pub use parameters::{ParameterFault, check_parameters};
-pub use protocol::mission::{PlanFileError, Plans};
+pub use protocol::mission::PlanFileError;
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};
 pub use vehicle::{SetpointRefused, Vehicle};

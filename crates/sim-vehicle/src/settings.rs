@@ -1,8 +1,8 @@
 //! What a vehicle is told before it flies.
 
+use crate::autopilot::plan::Plans;
 use crate::firmware::Personality;
 use crate::mode::Mode;
-use crate::protocol::mission::Plans;
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use std::net::SocketAddr;
 use std::time::Duration;

@@ -1,27 +1,19 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
-use crate::autopilot::failsafe::Failsafes;
-use crate::autopilot::fence::Fence;
-use crate::autopilot::flight::Flight;
-use crate::autopilot::manual_control::Channels;
-use crate::autopilot::mission::{Mission, Progress};
-use crate::autopilot::rally::Rally;
+use crate::autopilot::Autopilot;
+use crate::autopilot::plan::PlanKind;
 use crate::counters::VehicleCounters;
-use crate::firmware::Personality;
-use crate::firmware::px4;
 use crate::host::system_ids::SystemIds;
 use crate::links::Links;
 use crate::links::PeerId;
 use crate::links::Transmit;
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
-use crate::parameters::{Parameter, ParameterRefused, Parameters};
-use crate::protocol::mission::{PlanKind, Uploads};
+use crate::parameters::ParameterRefused;
+use crate::protocol::mission::Uploads;
 use crate::protocol::parameter::{Listings, Pace};
 use crate::protocol::target_system;
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
-use crate::telemetry::streams::Stream;
-use crate::world::World;
 use flight_model::{Setpoint, State};
 use mavlink_bridge::dialect::Message;
 use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
@@ -47,40 +39,20 @@ use std::time::Duration;
 /// ```
 #[derive(Debug)]
 pub struct Vehicle {
-    pub(crate) settings: VehicleSettings,
-    pub(crate) flight: Flight,
-    pub(crate) links: Links,
-    pub(crate) time: Duration,
+    pub(crate) autopilot: Autopilot,
+    /// By [`links`](Self::links): what is not yet told goes first.
+    pub(crate) raw_links: Links,
     pub(crate) lockstep: Option<Lockstep>,
     pub(crate) host_now: Duration,
-    pub(crate) failsafes: Failsafes,
-    pub(crate) world: World,
-    pub(crate) parameters: Parameters,
     pub(crate) parameters_changed: bool,
     pub(crate) listings: Listings,
     pub(crate) pace: Arc<Pace>,
     /// The system ids behind its port, and its place among them.
     pub(crate) ids: Arc<SystemIds>,
     pub(crate) place: usize,
-    pub(crate) mission: Mission,
-    pub(crate) progress: Progress,
-    pub(crate) fence: Fence,
-    pub(crate) rally: Rally,
     pub(crate) uploads: Uploads,
     pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
     pub(crate) plan_totals: [f32; PlanKind::ALL.len()],
-    /// Vehicle time before which no further refused setpoint is put into words.
-    pub(crate) quiet_until: Duration,
-    pub(crate) channels: Channels,
-    /// What stood against arming when it was last looked at, and when that is said again, vehicle time.
-    pub(crate) arming_reason: Option<String>,
-    pub(crate) arming_reason_due: Duration,
-    /// Vehicle time at which it last flew.
-    pub(crate) flown_at: Duration,
-    /// Whether somebody has set home: then arming leaves it.
-    pub(crate) home_is_set: bool,
-    pub(crate) px4: px4::State,
-    pub(crate) counters: VehicleCounters,
     wire: Counters,
 }
 
@@ -110,60 +82,38 @@ impl Vehicle {
         Self::start(settings, Some(Lockstep::new(lockstep)))
     }
 
-    fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
-        let parameters = Parameters::new(&settings);
+    fn start(mut settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        let defaults = std::mem::take(&mut settings.default_parameters);
+        let kept = std::mem::take(&mut settings.parameters);
+        let plans = std::mem::take(&mut settings.plans);
         let mut vehicle = Self {
-            world: World::new(&settings, &parameters),
-            flight: Flight::new(&settings),
-            links: Links::new(&settings),
-            time: Duration::ZERO,
+            raw_links: Links::new(&settings),
+            autopilot: Autopilot::new(settings, lockstep.is_some()),
             lockstep,
             host_now: Duration::ZERO,
-            failsafes: Failsafes::new(),
-            parameters,
             parameters_changed: false,
             listings: Listings::default(),
             pace: Arc::default(),
             ids: Arc::default(),
             place: 0,
-            mission: Mission::new(settings.personality.first_mission_item()),
-            progress: Progress::default(),
-            fence: Fence::default(),
-            rally: Rally::default(),
             uploads: Uploads::default(),
             plans_changed: Default::default(),
             plan_totals: Default::default(),
-            quiet_until: Duration::ZERO,
-            channels: Channels::default(),
-            arming_reason: None,
-            arming_reason_due: Duration::ZERO,
-            flown_at: Duration::ZERO,
-            home_is_set: false,
-            px4: px4::State::default(),
-            counters: VehicleCounters::default(),
             wire: Counters::default(),
-            settings,
         };
-        let defaults = std::mem::take(&mut vehicle.settings.default_parameters);
-        let kept = std::mem::take(&mut vehicle.settings.parameters);
         vehicle.take_parameters(defaults)?;
-        vehicle.parameters.make_defaults();
+        vehicle.autopilot.parameters.make_defaults();
         vehicle.take_parameters(kept)?;
-        let plans = std::mem::take(&mut vehicle.settings.plans);
         vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
-        let in_lockstep = vehicle.lockstep.is_some();
-        let first_mode = vehicle.settings.personality.first_mode(vehicle.mode(), in_lockstep);
-        vehicle.flight.set_mode(first_mode);
-        vehicle.reconfigure_fence(Parameter::FenceEnable);
-        vehicle.restart_setpoint_timeout();
-        (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
+        vehicle.autopilot.start();
+        (0..vehicle.raw_links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
     }
 
     fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
         for (name, value) in values {
-            let taken = match self.parameters.named(&name) {
+            let taken = match self.autopilot.parameters.named(&name) {
                 Some(known) => self.set_parameter(known, value),
                 None => Err(ParameterRefused::Unknown(name.clone())),
             };
@@ -201,15 +151,15 @@ impl Vehicle {
     ) {
         self.note_host_time(now);
         let Some(target) = target_system(frame, message) else { return };
-        let ours = target == 0 || target == self.settings.system_id;
+        let ours = target == 0 || target == self.autopilot.settings.system_id;
         // A companion computer has our system id and a component id of its own: it is heard.
-        let from_ourselves = frame.header.system_id == self.settings.system_id
-            && frame.header.component_id == self.settings.component_id;
+        let from_ourselves = frame.header.system_id == self.autopilot.settings.system_id
+            && frame.header.component_id == self.autopilot.settings.component_id;
         if !ours || from_ourselves {
-            self.counters.frames_for_others += 1;
+            self.autopilot.counters.frames_for_others += 1;
             return;
         }
-        let (link, is_new) = self.links.hear(from, frame.header.version, self.host_now, self.time);
+        let (link, is_new) = self.raw_links.hear(from, frame.header.version, self.host_now, self.autopilot.time);
         if is_new {
             self.announce(link);
         }
@@ -218,15 +168,7 @@ impl Vehicle {
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.
     pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointRefused> {
-        self.check_guided()?;
-        if !setpoint.is_finite() {
-            return Err(SetpointRefusal::NotFinite.into());
-        }
-        self.flight.set_ground_speed(setpoint.speed_mps);
-        self.flight.set_course(setpoint.course_rad, f64::INFINITY);
-        self.flight.set_altitude(setpoint.altitude_m, f64::INFINITY);
-        self.restart_setpoint_timeout();
-        Ok(())
+        self.autopilot.command(setpoint)
     }
 
     /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to `track`.
@@ -237,12 +179,14 @@ impl Vehicle {
             self.integrate(until, track);
             return;
         };
-        let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
-        self.links.begin_batch(None);
-        self.integrate(tick_end.saturating_sub(self.settings.step), track);
+        let Some(tick_end) = lockstep.released_until(self.autopilot.time).filter(|tick_end| *tick_end <= until) else {
+            return;
+        };
+        self.links().begin_batch(None);
+        self.integrate(tick_end.saturating_sub(self.autopilot.settings.step), track);
         self.step_to(tick_end, track);
         self.with_instruments(Links::send_due_and_position);
-        self.links.end_batch();
+        self.links().end_batch();
         if let Some(lockstep) = &mut self.lockstep {
             lockstep.wait_from(self.host_now);
         }
@@ -251,12 +195,12 @@ impl Vehicle {
     /// In lockstep, the vehicle time to which the setpoint in hand lets it fly; none while it waits for one, and none in
     /// real time.
     pub fn released_until(&self) -> Option<Duration> {
-        self.lockstep.as_ref()?.released_until(self.time)
+        self.lockstep.as_ref()?.released_until(self.autopilot.time)
     }
 
     /// The host time at which [`handle_timeout`](Self::handle_timeout) wants to be called, if any.
     pub fn poll_timeout(&self) -> Option<Duration> {
-        if self.links.is_empty() {
+        if self.raw_links.is_empty() {
             return None;
         }
         let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
@@ -268,8 +212,8 @@ impl Vehicle {
     pub fn handle_timeout(&mut self, now: Duration) {
         self.note_host_time(now);
         if self.lockstep.as_mut().is_some_and(|lockstep| lockstep.take_resend(now)) {
-            self.links.resend_batch();
-            self.counters.resends += 1;
+            self.links().resend_batch();
+            self.autopilot.counters.resends += 1;
         }
         self.send_listings();
         self.check_uploads();
@@ -277,38 +221,38 @@ impl Vehicle {
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
     pub fn poll_transmit(&mut self) -> Option<Transmit> {
-        self.links.poll()
+        self.links().poll()
     }
 
     /// Where it is.
     pub fn state(&self) -> &State {
-        self.flight.state()
+        self.autopilot.flight.state()
     }
 
     /// Vehicle time.
     pub fn time(&self) -> Duration {
-        self.time
+        self.autopilot.time
     }
 
     /// Its flight mode.
     pub fn mode(&self) -> Mode {
-        self.flight.mode()
+        self.autopilot.flight.mode()
     }
 
     /// Whether it is armed.
     pub fn is_armed(&self) -> bool {
-        self.flight.is_armed()
+        self.autopilot.flight.is_armed()
     }
 
     /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
     /// station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafes.is_any() || self.px4.failsafe.is_some()
+        self.autopilot.is_in_failsafe()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
     pub fn set_parameters(&self) -> impl Iterator<Item = (&'static str, f32)> {
-        self.parameters.kept()
+        self.autopilot.parameters.kept()
     }
 
     /// Whether a parameter has been set since this was last asked.
@@ -318,12 +262,12 @@ impl Vehicle {
 
     /// Its settings.
     pub fn settings(&self) -> &VehicleSettings {
-        &self.settings
+        &self.autopilot.settings
     }
 
     /// What it has done so far.
     pub fn counters(&self) -> VehicleCounters {
-        self.counters
+        self.autopilot.counters
     }
 
     /// What [`handle`](Self::handle) has read so far.
@@ -332,60 +276,33 @@ impl Vehicle {
     }
 
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
-        let step = self.settings.step;
-        while self.time + step <= until {
-            self.step_to(self.time + step, track);
-            if self.time >= self.links.next_due() {
+        let step = self.autopilot.settings.step;
+        while self.autopilot.time + step <= until {
+            self.step_to(self.autopilot.time + step, track);
+            if self.autopilot.time >= self.raw_links.next_due() {
                 self.with_instruments(Links::send_due);
             }
         }
     }
 
-    /// One integration step, and all that is looked at after it but telemetry.
     fn step_to(&mut self, time: Duration, track: &mut Vec<State>) {
-        self.live();
-        self.step_flight();
-        self.time = time;
-        track.push(*self.flight.state());
-        self.check_failsafes();
-        self.check_fence();
-        self.follow_mission();
-        self.follow_personality();
-        self.tell_what_is_against_arming();
+        self.autopilot.step(time, track);
+        self.tell_events();
     }
 
-    pub(crate) fn set_mode(&mut self, mode: Mode) {
-        if mode == Mode::Auto && self.mode() != Mode::Auto {
-            self.begin_mission();
-        }
-        let is_new = mode != self.mode();
-        if mode == Mode::Rtl && is_new {
-            let rally = self.best_rally();
-            self.flight.set_rally(rally);
-            self.progress.has_looked_for_landing = false;
-        }
-        self.flight.set_mode(mode);
-        if is_new {
-            self.mode_changes_fence();
-        }
-        self.failsafes.setpoints_lost = false;
-        self.px4.failsafe = None;
-        self.restart_setpoint_timeout();
-        // A PX4 does not tell before its next heartbeat.
-        if is_new && self.settings.personality != Personality::Px4 {
-            self.send_stream_to_all(Stream::Heartbeat);
-        }
+    /// The links, on which everything that is not yet told has gone out.
+    pub(crate) fn links(&mut self) -> &mut Links {
+        self.tell_events();
+        &mut self.raw_links
     }
 
-    pub(crate) fn check_guided(&self) -> Result<(), SetpointRefused> {
-        match self.flight.mode() {
-            Mode::Guided => Ok(()),
-            other => Err(SetpointRefused::NotGuided(other)),
-        }
+    /// The links as they are, to be looked at.
+    pub(crate) fn peers(&self) -> &Links {
+        &self.raw_links
     }
 
     fn note_host_time(&mut self, now: Duration) {
         self.host_now = self.host_now.max(now);
-        self.links.drop_silent(self.host_now);
+        self.raw_links.drop_silent(self.host_now);
     }
 }

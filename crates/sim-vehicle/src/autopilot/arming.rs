@@ -1,14 +1,15 @@
 //! Arming and disarming, what stands against it, and what follows on the ground.
 
+use crate::autopilot::Autopilot;
 use crate::autopilot::flight::Event;
 use crate::autopilot::mission::{LAND_START, RETURN_PATH_START};
+use crate::error::Severity;
 use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::Refusal;
-use crate::vehicle::Vehicle;
 use crate::world::GpsSettings;
-use mavlink_bridge::dialect::{MavResult, MavSeverity};
+use mavlink_bridge::dialect::MavResult;
 use std::time::Duration;
 
 /// Param 2 of COMPONENT_ARM_DISARM: whatever stands against it.
@@ -22,7 +23,7 @@ const CHECK_GPS: u32 = 1 << 3;
 const CHECK_BATTERY: u32 = 1 << 8;
 const CHECK_MISSION: u32 = 1 << 14;
 
-impl Vehicle {
+impl Autopilot {
     /// Param 1: 1 to arm, 0 to disarm. Param 2: 21196 by force, as ArduPlane: in the air it is disarmed only so.
     pub(crate) fn arm_or_disarm(&mut self, [p1, p2]: [f32; 2]) -> Result<(), Refusal> {
         let is_armed = self.flight.is_armed();
@@ -32,11 +33,11 @@ impl Vehicle {
             }
             let is_forced = p2 == FORCE || p2 == FORCE_ARMING;
             if let Some(reason) = self.against_arming().filter(|_| !is_forced) {
-                let severity = MavSeverity::MAV_SEVERITY_CRITICAL;
+                let severity = Severity::Critical;
                 return Err(Refusal { severity, ..Refusal::failed(format!("Arm: {reason}")) });
             }
             if self.parameters.get(Parameter::ArmingCheck) == 0.0 {
-                self.say(MavSeverity::MAV_SEVERITY_WARNING, "Warning: Arming Checks Disabled");
+                self.say(Severity::Warning, "Warning: Arming Checks Disabled");
             }
             self.arm();
         } else if p1 == 0.0 {
@@ -58,7 +59,7 @@ impl Vehicle {
             return Err(Refusal::new(MavResult::MAV_RESULT_TEMPORARILY_REJECTED, "PreArm: it is armed"));
         }
         if let Some(reason) = self.against_arming() {
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &format!("PreArm: {reason}"));
+            self.say(Severity::Critical, &format!("PreArm: {reason}"));
         }
         Ok(())
     }
@@ -101,7 +102,7 @@ impl Vehicle {
         let is_new = reason != self.arming_reason;
         if let Some(text) = reason.as_ref().filter(|_| is_new || self.time >= self.arming_reason_due) {
             self.arming_reason_due = self.time + AGAIN_AFTER;
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &format!("PreArm: {text}"));
+            self.say(Severity::Critical, &format!("PreArm: {text}"));
         }
         self.arming_reason = reason;
     }
@@ -117,7 +118,7 @@ impl Vehicle {
         self.flight.arm();
         self.arming_changes_fence();
         self.restart_setpoint_timeout();
-        self.say(MavSeverity::MAV_SEVERITY_INFO, "Throttle armed");
+        self.say(Severity::Info, "Throttle armed");
     }
 
     pub(crate) fn disarm(&mut self) {
@@ -132,7 +133,7 @@ impl Vehicle {
         if self.mode() != Mode::Auto {
             self.reset_mission();
         }
-        self.say(MavSeverity::MAV_SEVERITY_INFO, "Throttle disarmed");
+        self.say(Severity::Info, "Throttle disarmed");
     }
 
     /// Moves the vehicle on by one integration step, and does what follows from it on the ground.
@@ -140,7 +141,7 @@ impl Vehicle {
         self.move_sticks();
         let was_armed = self.flight.is_armed();
         if let Some(Event::TouchedDown { sink_mps }) = self.flight.step() {
-            self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("SIM Hit ground at {sink_mps:.6} m/s"));
+            self.say(Severity::Info, &format!("SIM Hit ground at {sink_mps:.6} m/s"));
             if was_armed && !self.flight.is_armed() {
                 self.have_disarmed();
             }
@@ -157,7 +158,7 @@ impl Vehicle {
         let delay = Duration::from_secs(self.parameters.get(Parameter::DisarmDelay) as u64);
         if !delay.is_zero() && self.time.saturating_sub(self.flown_at) >= delay {
             self.disarm();
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "Auto disarmed");
+            self.say(Severity::Info, "Auto disarmed");
         }
     }
 }

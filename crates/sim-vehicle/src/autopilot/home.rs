@@ -1,14 +1,14 @@
 //! Home: where it is, who sets it, and altitudes above it.
 
+use crate::autopilot::Autopilot;
+use crate::autopilot::event::Event;
 use crate::autopilot::flight::Home;
 use crate::firmware::Personality;
 use crate::protocol::command::{ALTITUDE_MAX_M, Command, Refusal, check_finite};
-use crate::telemetry::streams::Stream;
-use crate::vehicle::Vehicle;
 use flight_model::Geodetic;
 use mavlink_bridge::dialect::MavFrame;
 
-impl Vehicle {
+impl Autopilot {
     /// DO_SET_HOME. Param 1: 1 for where it is, or 0 for the place that comes with it; one of no latitude and longitude
     /// means where it is, too.
     pub(crate) fn do_set_home(&mut self, command: &Command) -> Result<(), Refusal> {
@@ -68,6 +68,6 @@ impl Vehicle {
     /// Everybody is told of a new home, as ArduPlane does.
     fn set_home(&mut self, home: Home) {
         self.flight.set_home(home);
-        self.send_stream_to_all(Stream::HomePosition);
+        self.events.push(Event::HomeMoved);
     }
 }

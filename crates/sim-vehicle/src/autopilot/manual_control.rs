@@ -3,10 +3,10 @@
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
+use crate::autopilot::Autopilot;
 use crate::autopilot::flight::Sticks;
 use crate::firmware::Personality;
 use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{MANUAL_CONTROL_DATA, Message, RC_CHANNELS_DATA, RC_CHANNELS_OVERRIDE_DATA};
 use std::time::Duration;
 
@@ -65,7 +65,7 @@ impl Channels {
     }
 }
 
-impl Vehicle {
+impl Autopilot {
     /// Microseconds for each channel; 0 gives it back, 65535 leaves it.
     pub(crate) fn override_channels(&mut self, system_id: u8, data: &RC_CHANNELS_OVERRIDE_DATA) {
         let channels = [

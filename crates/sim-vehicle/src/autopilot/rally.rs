@@ -1,8 +1,8 @@
 //! Rally points: places to return to that are nearer than home.
 
+use crate::autopilot::Autopilot;
 use crate::autopilot::flight::RallyPlace;
 use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MavCmd, MavMissionResult};
 
@@ -47,7 +47,7 @@ pub(crate) fn as_kept(item: &PlanItem) -> PlanItem {
     PlanItem { command, frame, latitude_e7, longitude_e7, z_m: item.z_m.trunc(), ..PlanItem::default() }
 }
 
-impl Vehicle {
+impl Autopilot {
     /// The rally point to return to from here: the nearest, if it is within RALLY_LIMIT_KM and, where home counts too
     /// (RALLY_INCL_HOME), nearer than home. None means home.
     pub(crate) fn best_rally(&self) -> Option<RallyPlace> {
@@ -105,8 +105,8 @@ mod tests {
 
     #[test]
     fn the_nearest_point_within_the_limit_is_gone_to() {
-        let mut vehicle = Vehicle::new(VehicleSettings { ground: None, ..VehicleSettings::default() }).unwrap();
-        let altitude_m = |vehicle: &Vehicle| vehicle.best_rally().map(|rally| rally.altitude_m);
+        let mut vehicle = Autopilot::new(VehicleSettings::default(), false);
+        let altitude_m = |vehicle: &Autopilot| vehicle.best_rally().map(|rally| rally.altitude_m);
         assert_eq!(altitude_m(&vehicle), None);
         // About 3.3 and 1.1 km to the north, 80 and 90 m above home.
         vehicle.rally.items = vec![point(400_100_000, 80.0), point(399_900_000, 90.0)];

@@ -13,11 +13,11 @@ mod modes;
 pub(crate) mod px4;
 mod targets;
 
+use crate::autopilot::Autopilot;
 use crate::autopilot::mission;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{Command, Refusal};
-use crate::vehicle::Vehicle;
 
 use mavlink_bridge::dialect::{
     MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavAutopilot, MavMissionType, MavModeFlag, MavParamType,
@@ -202,9 +202,9 @@ impl fmt::Display for Personality {
     }
 }
 
-impl Vehicle {
+impl Autopilot {
     /// What the personality makes of a command, if it is not ArduPlane's answer.
-    pub(crate) fn execute_as_personality(&mut self, command: &Command, link: usize) -> Option<Result<(), Refusal>> {
+    pub(crate) fn execute_as_personality(&mut self, command: &Command) -> Option<Result<(), Refusal>> {
         match self.settings.personality {
             Personality::ArduPlane => self.answer_for_device(command.command as u32 as u16, command.params[0]),
             Personality::Px4 => self
@@ -212,7 +212,6 @@ impl Vehicle {
                 .or_else(|| self.answer_for_device(command.command as u32 as u16, command.params[0])),
             Personality::Generic => self.execute_generic(command),
         }
-        .or_else(|| self.execute_standard_mode(command, link))
     }
 
     /// The answer to a command for a device that is not there; none if it is not for one, or the autopilot knows no such

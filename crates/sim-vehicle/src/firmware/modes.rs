@@ -36,19 +36,20 @@ impl Personality {
 
 impl Vehicle {
     /// DO_SET_STANDARD_MODE, and REQUEST_MESSAGE for AVAILABLE_MODES and CURRENT_MODE.
-    pub(super) fn execute_standard_mode(&mut self, command: &Command, link: usize) -> Option<Result<(), Refusal>> {
+    pub(crate) fn execute_standard_mode(&mut self, command: &Command, link: usize) -> Option<Result<(), Refusal>> {
         let [p1, p2, ..] = command.params;
         match command.command {
-            MavCmd::MAV_CMD_DO_SET_STANDARD_MODE if self.settings.personality != Personality::ArduPlane => {
+            MavCmd::MAV_CMD_DO_SET_STANDARD_MODE if self.autopilot.settings.personality != Personality::ArduPlane => {
                 Some(self.set_standard_mode(p1))
             }
             MavCmd::MAV_CMD_REQUEST_MESSAGE => match u32::try_from(integer(p1)) {
-                Ok(AVAILABLE_MODES | CURRENT_MODE) if !self.links.can_carry(link, AVAILABLE_MODES) => {
+                Ok(AVAILABLE_MODES | CURRENT_MODE) if !self.peers().can_carry(link, AVAILABLE_MODES) => {
                     Some(Err(Refusal::failed("MAVLink 1 does not have this message").quietly()))
                 }
                 Ok(AVAILABLE_MODES) => Some(self.send_available_modes(link, integer(p2))),
                 Ok(CURRENT_MODE) => {
-                    self.links.send(link, &self.current_mode());
+                    let mode = self.current_mode();
+                    self.links().send(link, &mode);
                     Some(Ok(()))
                 }
                 _ => None,
@@ -58,19 +59,19 @@ impl Vehicle {
     }
 
     fn set_standard_mode(&mut self, number: f32) -> Result<(), Refusal> {
-        let personality = self.settings.personality;
+        let personality = self.autopilot.settings.personality;
         let standard = |mode: &Mode| personality.standard_mode(*mode) as i64;
         let asked = number.round() as i64;
         match personality.modes().iter().find(|mode| asked != 0 && standard(mode) == asked) {
-            Some(&mode) if personality == Personality::Px4 => self.px4_change_mode(mode),
-            Some(&mode) => self.enter(mode),
+            Some(&mode) if personality == Personality::Px4 => self.autopilot.px4_change_mode(mode),
+            Some(&mode) => self.autopilot.enter(mode),
             None => Err(Refusal::failed(format!("No standard mode {asked}"))),
         }
     }
 
     /// One of them, from 1, or all for 0.
     fn send_available_modes(&mut self, link: usize, index: i64) -> Result<(), Refusal> {
-        let personality = self.settings.personality;
+        let personality = self.autopilot.settings.personality;
         let modes = personality.modes();
         let asked = match usize::try_from(index) {
             Ok(0) => 1..=modes.len(),
@@ -88,15 +89,15 @@ impl Vehicle {
                 standard_mode: personality.standard_mode(mode),
                 mode_name: personality.mode_name(mode).into(),
             };
-            self.links.send(link, &Message::AVAILABLE_MODES(available));
+            self.links().send(link, &Message::AVAILABLE_MODES(available));
         }
         Ok(())
     }
 
     fn current_mode(&self) -> Message {
-        let (personality, mode) = (self.settings.personality, self.mode());
+        let (personality, mode) = (self.autopilot.settings.personality, self.autopilot.mode());
         // A failsafe stands between the mode that is flown and the one that was meant.
-        let meant = if self.px4.failsafe == Some(px4::Failsafe::Offboard) { Mode::Offboard } else { mode };
+        let meant = if self.autopilot.px4.failsafe == Some(px4::Failsafe::Offboard) { Mode::Offboard } else { mode };
         Message::CURRENT_MODE(CURRENT_MODE_DATA {
             custom_mode: personality.custom_mode(mode),
             intended_custom_mode: personality.custom_mode(meant),

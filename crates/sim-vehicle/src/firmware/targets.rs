@@ -3,7 +3,7 @@
 // Clients still send the older numbers of the frames.
 #![allow(deprecated)]
 
-use crate::vehicle::Vehicle;
+use crate::autopilot::Autopilot;
 use flight_model::wrap_pi;
 use mavlink_bridge::dialect::{
     MavFrame, PositionTargetTypemask as Mask, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
@@ -106,7 +106,7 @@ impl PositionTarget {
 
 const PLACE: Mask = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE.union(Mask::POSITION_TARGET_TYPEMASK_Y_IGNORE);
 
-impl Vehicle {
+impl Autopilot {
     /// Flies a target: a place, along a line through a place in the direction of the velocity, or with a velocity; at an
     /// altitude or with a rate of climb. What it does not ask for stays as it is. From the ground, armed, it takes off where
     /// the target is higher.

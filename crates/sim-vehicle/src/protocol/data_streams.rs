@@ -17,12 +17,13 @@ impl Vehicle {
     pub(crate) fn set_data_stream(&mut self, link: usize, data: &REQUEST_DATA_STREAM_DATA) {
         let rate_hz = match data.start_stop {
             0 => 0.0,
-            1 => f64::from(data.req_message_rate).min(self.settings.fastest_hz()),
+            1 => f64::from(data.req_message_rate).min(self.autopilot.settings.fastest_hz()),
             _ => return,
         };
         let interval = (rate_hz > 0.0).then(|| Duration::from_secs_f64(1.0 / rate_hz));
         for &stream in groups_of(data.req_stream_id).iter().copied().flatten() {
-            self.links.set_interval(link, stream, interval, self.time);
+            let time = self.autopilot.time;
+            self.links().set_interval(link, stream, interval, time);
         }
     }
 
@@ -41,12 +42,12 @@ impl Vehicle {
         payload[12] = UNKNOWN_COMMAND;
         let Target { system_id: target_system, component_id: target_component } = to;
         let answer = FILE_TRANSFER_PROTOCOL_DATA { target_network: 0, target_system, target_component, payload };
-        self.links.send(link, &Message::FILE_TRANSFER_PROTOCOL(answer));
+        self.links().send(link, &Message::FILE_TRANSFER_PROTOCOL(answer));
     }
 
     /// There are no logs on board.
     pub(crate) fn answer_log_request(&mut self, link: usize) {
-        self.links.send(link, &Message::LOG_ENTRY(LOG_ENTRY_DATA::DEFAULT));
+        self.links().send(link, &Message::LOG_ENTRY(LOG_ENTRY_DATA::DEFAULT));
     }
 }
 

@@ -8,18 +8,18 @@ mod data_streams;
 pub(crate) mod mission;
 pub(crate) mod parameter;
 
+use crate::error::Severity;
 use crate::firmware::Personality;
 use crate::protocol::command::{Command, Refusal};
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{
-    DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
+    DialectMessage, MavModeFlag, MavResult, Message, PING_DATA, SET_MODE_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    TIMESYNC_DATA,
 };
 use mavlink_bridge::{
     Frame, FrameError, Target, parameter_request, plan_message, raw_command, setpoint_from_local_ned,
 };
-use std::time::Duration;
 
 /// The system that a frame is for, 0 for all; none if the frame tells nothing to anyone.
 pub(crate) fn target_system(frame: &Frame<'_>, message: &Result<Message, FrameError>) -> Option<u8> {
@@ -48,8 +48,8 @@ impl Vehicle {
             const MISSION_REQUEST_INT: u32 = 51;
             const MISSION_ITEM_INT: u32 = 73;
             match frame.header.message_id {
-                MISSION_ITEM | MISSION_REQUEST => self.links.note_old_items(link, true),
-                MISSION_ITEM_INT | MISSION_REQUEST_INT => self.links.note_old_items(link, false),
+                MISSION_ITEM | MISSION_REQUEST => self.links().note_old_items(link, true),
+                MISSION_ITEM_INT | MISSION_REQUEST_INT => self.links().note_old_items(link, false),
                 _ => {}
             }
             self.serve_plan(link, sender, mission_type, message);
@@ -57,32 +57,32 @@ impl Vehicle {
         }
         match message {
             Ok(Message::HEARTBEAT(data)) => {
-                self.hear_heartbeat(sender.system_id);
-                self.px4_hear_heartbeat(data.mavtype);
+                self.autopilot.hear_heartbeat(sender.system_id);
+                self.autopilot.px4_hear_heartbeat(data.mavtype);
             }
             Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, &data.into()),
             Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, &data.into()),
             Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
             Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
-            Ok(Message::SET_POSITION_TARGET_GLOBAL_INT(data)) => self.take_global_target(data),
-            Ok(Message::SET_ATTITUDE_TARGET(_)) if self.settings.personality == Personality::Px4 => {
-                self.px4_take_attitude();
+            Ok(Message::SET_POSITION_TARGET_GLOBAL_INT(data)) => self.autopilot.take_global_target(data),
+            Ok(Message::SET_ATTITUDE_TARGET(_)) if self.autopilot.settings.personality == Personality::Px4 => {
+                self.autopilot.px4_take_attitude();
             }
-            Ok(Message::RC_CHANNELS_OVERRIDE(data)) => self.override_channels(sender.system_id, data),
-            Ok(Message::MANUAL_CONTROL(data)) => self.control_manually(sender.system_id, data),
+            Ok(Message::RC_CHANNELS_OVERRIDE(data)) => self.autopilot.override_channels(sender.system_id, data),
+            Ok(Message::MANUAL_CONTROL(data)) => self.autopilot.control_manually(sender.system_id, data),
             Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
             Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
             Ok(Message::REQUEST_DATA_STREAM(data)) => self.set_data_stream(link, data),
             Ok(Message::FILE_TRANSFER_PROTOCOL(data)) => self.refuse_file_transfer(link, sender, data),
             Ok(Message::LOG_REQUEST_LIST(_)) => self.answer_log_request(link),
             // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.
-            Ok(Message::SET_GPS_GLOBAL_ORIGIN(_)) if self.settings.personality != Personality::ArduPlane => {
+            Ok(Message::SET_GPS_GLOBAL_ORIGIN(_)) if self.autopilot.settings.personality != Personality::ArduPlane => {
                 self.send_stream(link, Stream::GpsGlobalOrigin);
             }
             Ok(_) => {}
             Err(_) => {
                 if let Some(raw) = raw_command(frame) {
-                    let outcome = self.execute_by_number(&raw);
+                    let outcome = self.autopilot.execute_by_number(&raw);
                     self.acknowledge(link, raw.command, sender, outcome);
                 }
             }
@@ -90,42 +90,33 @@ impl Vehicle {
     }
 
     fn take_setpoint(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
-        if self.lockstep.as_mut().is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, self.time)) {
-            self.counters.setpoints_out_of_step += 1;
+        if self.lockstep.as_mut().is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, self.autopilot.time)) {
+            self.autopilot.counters.setpoints_out_of_step += 1;
             return;
         }
-        if self.take_local_target(data) {
+        if self.autopilot.take_local_target(data) {
             return;
         }
-        let result = self.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?));
+        let result = self.autopilot.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?));
         match result {
             Ok(setpoint) => {
-                self.counters.setpoints_accepted += 1;
-                let full = setpoint.over(&self.flight.state().hold());
+                self.autopilot.counters.setpoints_accepted += 1;
+                let full = setpoint.over(&self.autopilot.flight.state().hold());
                 if let Some(velocity) = setpoint.velocity {
-                    self.flight.set_ground_speed(full.speed_mps);
+                    self.autopilot.flight.set_ground_speed(full.speed_mps);
                     // A velocity of zero has no direction: the course stays.
                     if velocity != (0.0, 0.0) {
-                        self.flight.set_course(full.course_rad, f64::INFINITY);
+                        self.autopilot.flight.set_course(full.course_rad, f64::INFINITY);
                     }
                 }
                 if setpoint.altitude.is_some() {
-                    self.flight.set_altitude(full.altitude_m, f64::INFINITY);
+                    self.autopilot.flight.set_altitude(full.altitude_m, f64::INFINITY);
                 }
-                self.restart_setpoint_timeout();
+                self.autopilot.restart_setpoint_timeout();
             }
             Err(refused) => {
-                self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {refused}"));
+                self.autopilot.refuse_setpoint(Severity::Warning, &format!("Setpoint refused: {refused}"));
             }
-        }
-    }
-
-    /// Counts a setpoint that is not followed, and says why: setpoints come in streams, one word in five seconds is enough.
-    pub(crate) fn refuse_setpoint(&mut self, severity: MavSeverity, text: &str) {
-        self.counters.setpoints_refused += 1;
-        if self.time >= self.quiet_until {
-            self.quiet_until = self.time + Duration::from_secs(5);
-            self.say(severity, text);
         }
     }
 
@@ -136,20 +127,20 @@ impl Vehicle {
 
     fn acknowledge(&mut self, link: usize, number: u16, sender: Target, outcome: Result<(), Refusal>) {
         let result = self.conclude(outcome);
-        self.links.acknowledge(link, number, result, sender);
+        self.links().acknowledge(link, number, result, sender);
     }
 
     /// Counts a command, says aloud why it is refused, and gives its result.
     fn conclude(&mut self, outcome: Result<(), Refusal>) -> MavResult {
         match outcome {
             Ok(()) => {
-                self.counters.commands_accepted += 1;
+                self.autopilot.counters.commands_accepted += 1;
                 MavResult::MAV_RESULT_ACCEPTED
             }
             Err(refusal) => {
-                self.counters.commands_refused += 1;
+                self.autopilot.counters.commands_refused += 1;
                 if let Some(reason) = &refusal.reason {
-                    self.say(refusal.severity, reason);
+                    self.autopilot.say(refusal.severity, reason);
                 }
                 refusal.result
             }
@@ -159,8 +150,8 @@ impl Vehicle {
     /// SET_MODE, DO_SET_MODE's forerunner. ArduPlane does not acknowledge it; the others do as if it were that command.
     fn legacy_set_mode(&mut self, link: usize, sender: Target, data: &SET_MODE_DATA) {
         let custom = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
-        let command = Command::set_mode(self.settings.personality, custom, data.custom_mode);
-        if self.settings.personality == Personality::ArduPlane {
+        let command = Command::set_mode(self.autopilot.settings.personality, custom, data.custom_mode);
+        if self.autopilot.settings.personality == Personality::ArduPlane {
             let outcome = self.execute(&command, link);
             self.conclude(outcome);
         } else {
@@ -171,9 +162,9 @@ impl Vehicle {
     fn answer_timesync(&mut self, link: usize, sender: Target, data: &TIMESYNC_DATA) {
         // A set tc1 is itself an answer.
         if data.tc1 == 0 {
-            let tc1 = i64::try_from(self.time.as_nanos()).unwrap_or(i64::MAX);
+            let tc1 = i64::try_from(self.autopilot.time.as_nanos()).unwrap_or(i64::MAX);
             let Target { system_id: target_system, component_id: target_component } = sender;
-            self.links
+            self.links()
                 .send(link, &Message::TIMESYNC(TIMESYNC_DATA { tc1, ts1: data.ts1, target_system, target_component }));
         }
     }
@@ -182,7 +173,7 @@ impl Vehicle {
         // A ping with a target is itself an answer.
         if data.target_system == 0 && data.target_component == 0 {
             let Target { system_id: target_system, component_id: target_component } = sender;
-            self.links.send(link, &Message::PING(PING_DATA { target_system, target_component, ..data.clone() }));
+            self.links().send(link, &Message::PING(PING_DATA { target_system, target_component, ..data.clone() }));
         }
     }
 }

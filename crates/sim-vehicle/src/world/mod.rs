@@ -14,9 +14,9 @@ pub(crate) use noise::{Noise, Source};
 pub(crate) use sensors::{Readings, SensorSettings};
 pub(crate) use weather::{Forecast, Weather};
 
+use crate::autopilot::Autopilot;
 use crate::parameters::{Parameter, Parameters};
 use crate::settings::VehicleSettings;
-use crate::vehicle::Vehicle;
 use std::time::Duration;
 
 /// The world as one vehicle meets it.
@@ -47,7 +47,7 @@ pub(crate) fn tick(time: Duration) -> u64 {
     u64::try_from(time.as_micros()).unwrap_or(u64::MAX)
 }
 
-impl Vehicle {
+impl Autopilot {
     /// The world goes on by a step, before the vehicle does.
     pub(crate) fn live(&mut self) {
         let step = self.settings.step;

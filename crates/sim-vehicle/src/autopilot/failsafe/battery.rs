@@ -1,9 +1,9 @@
 //! A battery that runs down, watched as ArduPilot's monitor does.
 
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavSeverity;
 use std::time::Duration;
 
 /// How the battery is.
@@ -51,7 +51,7 @@ impl BatteryWatch {
     }
 }
 
-impl Vehicle {
+impl Autopilot {
     /// A level is reached when the charge is too low, or the voltage for longer than BATT_LOW_TIMER. When all is well again
     /// the level is left; the mode stays.
     pub(super) fn check_battery(&mut self) {
@@ -75,17 +75,17 @@ impl Vehicle {
         let battery = &self.world.battery;
         let text = format!("Battery 1 is {words} {:.2}V used {:.0} mAh", battery.voltage_v(), battery.consumed_mah());
         if found < before {
-            self.say(MavSeverity::MAV_SEVERITY_INFO, &text);
+            self.say(Severity::Info, &text);
             return;
         }
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+        self.say(Severity::Warning, &text);
         self.counters.failsafes += 1;
         // ArduPlane lands by the mission's landing sequence, and without one it returns.
         match self.parameters.get(action) {
             RETURN => self.set_mode(Mode::Rtl),
             LAND if !self.flight.is_landing() => {
                 if let Err(refusal) = self.start_landing() {
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal.reason.unwrap_or_default());
+                    self.say(Severity::Warning, &refusal.reason.unwrap_or_default());
                     self.set_mode(Mode::Rtl);
                 }
             }

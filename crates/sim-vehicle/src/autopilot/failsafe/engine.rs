@@ -1,9 +1,9 @@
 //! An engine that fails: the vehicle glides down, led by its mode still.
 
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavSeverity;
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 
-impl Vehicle {
+impl Autopilot {
     pub(super) fn check_engine(&mut self) {
         let has_failed = self.flight.is_armed() && !self.flight.is_engine_running();
         if std::mem::replace(&mut self.failsafes.engine_failed, has_failed) == has_failed {
@@ -11,9 +11,9 @@ impl Vehicle {
         }
         if has_failed {
             self.counters.failsafes += 1;
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, "Engine failed, gliding");
+            self.say(Severity::Critical, "Engine failed, gliding");
         } else if self.flight.is_armed() {
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, "Engine runs again");
+            self.say(Severity::Critical, "Engine runs again");
         }
     }
 }

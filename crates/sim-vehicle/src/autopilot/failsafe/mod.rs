@@ -8,10 +8,10 @@ mod weather;
 
 pub(crate) use battery::{BatteryLevel, BatteryWatch};
 
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavSeverity;
 use std::time::Duration;
 
 /// Who is missing, and since when; vehicle times.
@@ -54,7 +54,7 @@ impl Failsafes {
     }
 }
 
-impl Vehicle {
+impl Autopilot {
     pub(crate) fn check_failsafes(&mut self) {
         let is_awaited = self.failsafes.setpoints_until != Duration::MAX;
         if is_awaited && !self.flight.is_flying() {
@@ -66,7 +66,7 @@ impl Vehicle {
             self.flight.set_mode(Mode::Loiter);
             self.counters.failsafes += 1;
             let text = format!("Failsafe: no setpoint for {} s, LOITER", self.parameters.get(Parameter::GuidedTimeout));
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &text);
+            self.say(Severity::Critical, &text);
         }
         if self.parameters.get(Parameter::GroundFailsafe) != 0.0 {
             self.check_ground();
@@ -97,7 +97,7 @@ impl Vehicle {
         }
         self.failsafes.ground_heard = Some(self.time);
         if std::mem::take(&mut self.failsafes.ground_lost) {
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, "GCS Failsafe Cleared");
+            self.say(Severity::Warning, "GCS Failsafe Cleared");
         }
     }
 
@@ -123,6 +123,6 @@ impl Vehicle {
             self.set_mode(Mode::Rtl);
         }
         let text = format!("GCS Failsafe On: switched to {}", self.mode());
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+        self.say(Severity::Warning, &text);
     }
 }

@@ -1,12 +1,12 @@
 //! A wind that is too strong to fly against.
 
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavSeverity;
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 
 /// The wind has gone down when it is so much weaker than the airspeed.
 const GONE_DOWN: f64 = 0.9;
 
-impl Vehicle {
+impl Autopilot {
     /// No mode helps: it is said, and the vehicle goes on as well as it can.
     pub(super) fn check_wind(&mut self) {
         let wind_mps = self.world.weather.estimate().speed_mps();
@@ -25,6 +25,6 @@ impl Vehicle {
         } else {
             format!("Wind {wind_mps:.0} m/s: course held again")
         };
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+        self.say(Severity::Warning, &text);
     }
 }

@@ -5,22 +5,22 @@ use super::{
     ALL, Floor, Kinds, MANUAL_RECOVERY, MAX_ALTITUDE, MIN_ALTITUDE, OPTION_LOCK_MODE, POLYGON, Place, Recovery,
     configured, has_option, inclusions_are_one, names,
 };
+use crate::autopilot::Autopilot;
+use crate::autopilot::event::Event;
+use crate::error::Severity;
 use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{Refusal, check_finite};
-use crate::telemetry::streams::Stream;
-use crate::vehicle::Vehicle;
 use flight_model::State;
 use mavlink_bridge::PlanItem;
-use mavlink_bridge::dialect::MavSeverity;
 
 /// FENCE_AUTOENABLE: when the fence is enabled by itself.
 const AFTER_TAKEOFF: f32 = 1.0;
 const AFTER_TAKEOFF_BUT_THE_FLOOR: f32 = 2.0;
 const WHEN_ARMED: f32 = 3.0;
 
-impl Vehicle {
+impl Autopilot {
     /// Another fence, or why it makes no sense: then the old one stays.
     pub(crate) fn replace_fence(&mut self, items: Vec<PlanItem>) -> Result<(), String> {
         self.fence.area = area(&items, &self.settings.frame)?;
@@ -140,7 +140,7 @@ impl Vehicle {
         self.fence.recovery = None;
         if self.fence.breached != 0 {
             self.fence.manual_until = self.time + MANUAL_RECOVERY;
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "Manual recovery started");
+            self.say(Severity::Info, "Manual recovery started");
         }
     }
 
@@ -173,7 +173,7 @@ impl Vehicle {
             self.fence.breaches = self.fence.breaches.saturating_add(1);
             if before == 0 {
                 self.fence.breached_at = self.time;
-                self.send_stream_to_all(Stream::FenceStatus);
+                self.events.push(Event::Breached);
             }
         }
         if self.time < self.fence.manual_until {
@@ -189,7 +189,7 @@ impl Vehicle {
                 self.recover();
             }
         } else if before != 0 && self.fence.breached == 0 {
-            self.say(MavSeverity::MAV_SEVERITY_NOTICE, "Fence breach cleared");
+            self.say(Severity::Notice, "Fence breach cleared");
         }
     }
 
@@ -302,13 +302,13 @@ impl Vehicle {
         let is_asked_for = configured(&self.parameters) & MIN_ALTITUDE != 0;
         if may && is_off && is_asked_for && altitude_m >= f64::from(least_m) {
             self.fence.enable(true, MIN_ALTITUDE, &self.parameters);
-            self.say(MavSeverity::MAV_SEVERITY_NOTICE, "Min Alt fence enabled (auto enable)");
+            self.say(Severity::Notice, "Min Alt fence enabled (auto enable)");
         }
     }
 
     fn tell_fence(&mut self, what: &str, kinds: Kinds) {
         if kinds != 0 {
-            self.say(MavSeverity::MAV_SEVERITY_NOTICE, &format!("{} {what}", names(kinds)));
+            self.say(Severity::Notice, &format!("{} {what}", names(kinds)));
         }
     }
 }

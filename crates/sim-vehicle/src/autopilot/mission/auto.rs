@@ -5,13 +5,14 @@ use super::items::{
     LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT,
 };
 use super::legs::{AltitudeEnd, CircleEnd, Leg};
+use crate::autopilot::Autopilot;
+use crate::autopilot::event::Event;
+use crate::error::Severity;
 use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::Refusal;
-use crate::vehicle::Vehicle;
 use mavlink_bridge::PlanItem;
-use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
 use std::f64::consts::TAU;
 use std::time::Duration;
 
@@ -46,7 +47,7 @@ impl Progress {
     }
 }
 
-impl Vehicle {
+impl Autopilot {
     /// AUTO has been set: it goes on with the current item, from its beginning.
     pub(crate) fn begin_mission(&mut self) {
         if self.progress.is_complete || self.progress.current < self.mission.first {
@@ -158,17 +159,17 @@ impl Vehicle {
             }
             _ => return,
         };
-        self.say(MavSeverity::MAV_SEVERITY_INFO, &text);
+        self.say(Severity::Info, &text);
     }
 
     fn tell_reached(&mut self, seq: u16) {
-        self.links.send_all(&Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq }));
+        self.events.push(Event::ItemReached(seq));
     }
 
     fn end_mission(&mut self, text: &str) {
         let personality = self.settings.personality;
         let mode = personality.mode_after_mission();
-        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{text}, changing mode to {}", personality.mode_name(mode)));
+        self.say(Severity::Info, &format!("{text}, changing mode to {}", personality.mode_name(mode)));
         self.set_mode(mode);
     }
 
@@ -202,7 +203,7 @@ impl Vehicle {
     fn begin_item(&mut self, item: &PlanItem) {
         let seq = self.progress.current;
         if let Some(name) = flown_name(item.command) {
-            self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Mission: {seq} {name}"));
+            self.say(Severity::Info, &format!("Mission: {seq} {name}"));
         }
         let [p1, p2, p3, _] = item.params.map(f64::from);
         let at = self.place_of(item);
@@ -250,7 +251,7 @@ impl Vehicle {
             LAND => {
                 self.flight.land_at(at);
                 let height_m = self.flight.state().altitude_m - self.flight.home().altitude_m;
-                self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Landing approach start at {height_m:.1}m"));
+                self.say(Severity::Info, &format!("Landing approach start at {height_m:.1}m"));
                 Leg::Landing
             }
             RETURN_TO_LAUNCH => {

@@ -2,19 +2,19 @@
 
 use super::items::{CHANGE_ALTITUDE, GO_AROUND, LAND, LAND_START, RETURN_PATH_START, WAYPOINT, has_place};
 use super::legs::Leg;
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::Refusal;
-use crate::vehicle::Vehicle;
 use mavlink_bridge::PlanItem;
-use mavlink_bridge::dialect::MavSeverity;
 
 /// Height to which a landing that is given up climbs where nothing else is said, m: ArduPlane's.
 const GO_AROUND_HEIGHT_M: f64 = 30.0;
 /// RTL has come back when it is so near to its circle and to its altitude, m: the latter is ArduPlane's.
 const RTL_TOLERANCE_M: f64 = 10.0;
 
-impl Vehicle {
+impl Autopilot {
     /// DO_LAND_START as a command: AUTO, from the nearest such item on.
     pub(crate) fn start_landing(&mut self) -> Result<(), Refusal> {
         let Some(seq) = self.nearest_of(LAND_START) else {
@@ -54,7 +54,7 @@ impl Vehicle {
         let altitude_m = (self.flight.home().altitude_m + height_m).max(self.flight.state().altitude_m);
         self.flight.take_off(altitude_m);
         self.progress.leg = Leg::GoAround(altitude_m);
-        self.say(MavSeverity::MAV_SEVERITY_NOTICE, &format!("Landing aborted, climbing to {height_m:.0}m"));
+        self.say(Severity::Notice, &format!("Landing aborted, climbing to {height_m:.0}m"));
         Ok(())
     }
 
@@ -98,7 +98,7 @@ impl Vehicle {
     }
 
     fn go_on_in_auto(&mut self, seq: u16, text: &str) {
-        self.say(MavSeverity::MAV_SEVERITY_INFO, text);
+        self.say(Severity::Info, text);
         // It has been looked up: it is there.
         if self.set_current_item(seq).is_ok() {
             self.set_mode(Mode::Auto);

@@ -1,7 +1,7 @@
 //! What the item that AUTO flies still wants, and when it has it.
 
+use crate::autopilot::Autopilot;
 use crate::autopilot::flight::TAKEOFF_TOLERANCE_M;
-use crate::vehicle::Vehicle;
 use flight_model::wrap_pi;
 use std::time::Duration;
 
@@ -49,7 +49,7 @@ pub(super) struct Circled {
     turned_rad: f64,
 }
 
-impl Vehicle {
+impl Autopilot {
     /// Looks after an integration step whether the current item has all that it wants.
     pub(super) fn is_leg_done(&mut self) -> bool {
         let is_on_ground = self.flight.is_on_ground();

@@ -4,15 +4,15 @@
 // Clients still send the older numbers of the frames.
 #![allow(deprecated)]
 
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::protocol::command::ALTITUDE_MAX_M;
-use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{
-    MavFrame, MavSeverity, PositionTargetTypemask as Mask, SET_POSITION_TARGET_GLOBAL_INT_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA,
+    MavFrame, PositionTargetTypemask as Mask, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 
-impl Vehicle {
+impl Autopilot {
     /// In LOCAL_OFFSET_NED: so much above the altitude that it has been told, whatever the mask says. `false` for any other
     /// frame, which an ArduPlane passes over.
     pub(in crate::firmware) fn arduplane_take_local_target(
@@ -27,10 +27,10 @@ impl Vehicle {
         }
         let altitude_m = self.flight.aim().altitude_m - f64::from(data.z);
         if !data.z.is_finite() || altitude_m.abs() >= f64::from(ALTITUDE_MAX_M) {
-            self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, "Setpoint refused: no such altitude");
+            self.refuse_setpoint(Severity::Warning, "Setpoint refused: no such altitude");
         } else if self.change_guided_altitude(altitude_m) {
             let above_home_m = altitude_m - self.flight.home().altitude_m;
-            self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Change alt to {above_home_m:.1}"));
+            self.say(Severity::Info, &format!("Change alt to {above_home_m:.1}"));
         }
         true
     }

@@ -1,13 +1,14 @@
 //! No autopilot in particular, for authors of their own controllers: ArduPlane's numbers, commands and parameters, and
 //! beside them take-off and landing as commands, MAVLink's standard modes, and position targets of every kind.
 
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::firmware::px4;
 use crate::firmware::targets::{PositionTarget, TargetRefused};
 use crate::mode::Mode;
 use crate::protocol::command::{Command, Refusal, check_finite, integer};
-use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{
-    MavCmd, MavModeFlag, MavSeverity, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    MavCmd, MavModeFlag, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 
 /// There is none.
@@ -51,7 +52,7 @@ pub(super) fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
     flags
 }
 
-impl Vehicle {
+impl Autopilot {
     pub(super) fn execute_generic(&mut self, command: &Command) -> Option<Result<(), Refusal>> {
         let [p1, p2, p3, _] = command.params;
         Some(match command.command {
@@ -119,6 +120,6 @@ impl Vehicle {
             Ok(target) => format!("mask {:#05x} is not followed", target.mask),
             Err(reason) => reason,
         };
-        self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {reason}"));
+        self.refuse_setpoint(Severity::Warning, &format!("Setpoint refused: {reason}"));
     }
 }

@@ -4,11 +4,12 @@
 //! what is refused.
 
 use super::{MODES, SELECTABLE, mode_name};
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{Command, Refusal, angle_rad, check_finite, integer};
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity};
+use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult};
 
 /// Param 2 of COMPONENT_ARM_DISARM: by force, to disarm in the air.
 const FORCE: f32 = 21196.0;
@@ -30,7 +31,7 @@ fn rejected(reason: impl Into<String>) -> Refusal {
     Refusal::new(MavResult::MAV_RESULT_TEMPORARILY_REJECTED, reason)
 }
 
-impl Vehicle {
+impl Autopilot {
     /// The answer of a PX4, if it is not that of an ArduPlane.
     pub(in crate::firmware) fn execute_px4(&mut self, command: &Command) -> Option<Result<(), Refusal>> {
         if let Err(refusal) = check_unused_params(command) {
@@ -134,7 +135,7 @@ impl Vehicle {
             return Ok(());
         }
         if altitude_m <= here_m {
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, "Already higher than takeoff altitude");
+            self.say(Severity::Critical, "Already higher than takeoff altitude");
         } else if self.flight.is_armed() {
             self.flight.take_off(altitude_m);
         } else {
@@ -253,7 +254,7 @@ impl Vehicle {
 
     /// Says what PX4 says of a mode that it changes to by itself.
     pub(super) fn px4_announce(&mut self, text: &str) {
-        self.say(MavSeverity::MAV_SEVERITY_CRITICAL, text);
+        self.say(Severity::Critical, text);
     }
 }
 

@@ -2,10 +2,11 @@
 //! disarming on the ground (`failsafe.cpp`, `Commander.cpp`).
 
 use super::commands::ends_a_flight;
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavSeverity, MavType};
+use mavlink_bridge::dialect::MavType;
 use std::time::Duration;
 
 /// For want of whom the vehicle flies as it does.
@@ -27,7 +28,7 @@ impl Failsafe {
     }
 }
 
-impl Vehicle {
+impl Autopilot {
     /// A heartbeat: of any ground station, and of nobody else.
     pub(crate) fn px4_hear_heartbeat(&mut self, kind: MavType) {
         if kind == MavType::MAV_TYPE_GCS {
@@ -102,7 +103,7 @@ impl Vehicle {
         if is_for_ground && self.is_ground_heard() {
             // It stays in the mode that it is in.
             self.px4.failsafe = None;
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "GCS connection regained");
+            self.say(Severity::Info, "GCS connection regained");
             return;
         }
         if let Some(Failsafe::GroundHold { until }) = self.px4.failsafe {

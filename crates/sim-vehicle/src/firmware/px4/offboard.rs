@@ -7,16 +7,15 @@
 #![allow(deprecated)]
 
 use super::Failsafe;
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::firmware::targets::{PositionTarget, TargetRefused};
 use crate::mode::Mode;
 use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{
-    MavFrame, MavSeverity, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
-};
+use mavlink_bridge::dialect::{MavFrame, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA};
 use std::time::Duration;
 
-impl Vehicle {
+impl Autopilot {
     pub(in crate::firmware) fn px4_take_local_target(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
         let target = PositionTarget::from_local(data, self.flight.state().course_rad);
         self.take_target(target);
@@ -53,7 +52,7 @@ impl Vehicle {
         let timeout_s = self.parameters.get(Parameter::OffboardTimeout);
         let is_recent = |heard: Duration| self.time.saturating_sub(heard).as_secs_f32() <= timeout_s;
         // In lockstep time stands still between setpoints.
-        self.lockstep.is_some() || self.px4.setpoint_heard.is_some_and(is_recent)
+        self.is_in_lockstep || self.px4.setpoint_heard.is_some_and(is_recent)
     }
 
     /// Any target keeps the stream alive; one that says where to and how high is flown, in Offboard.
@@ -66,7 +65,7 @@ impl Vehicle {
         self.px4.setpoint_heard = Some(self.time);
         if self.px4.failsafe.is_some_and(Failsafe::ends_with_setpoints) {
             self.set_mode(Mode::Offboard);
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "Offboard signal regained");
+            self.say(Severity::Info, "Offboard signal regained");
         }
         if self.mode() != Mode::Offboard {
             return;
@@ -79,6 +78,6 @@ impl Vehicle {
     }
 
     fn refuse_target(&mut self, reason: &str) {
-        self.refuse_setpoint(MavSeverity::MAV_SEVERITY_CRITICAL, reason);
+        self.refuse_setpoint(Severity::Critical, reason);
     }
 }

@@ -15,13 +15,14 @@ impl Vehicle {
     pub(crate) fn set_message_interval(&mut self, [id, interval_us]: [f32; 2], link: usize) -> Result<(), Refusal> {
         check_finite("Interval", &[id, interval_us])?;
         // A PX4 has another word for it.
-        let refuse = if self.settings.personality == Personality::Px4 { Refusal::failed } else { Refusal::denied };
+        let refuse =
+            if self.autopilot.settings.personality == Personality::Px4 { Refusal::failed } else { Refusal::denied };
         let stream = known_stream(id).map_err(|reason| refuse(reason).quietly())?;
         let interval = match integer(interval_us) {
             -1 => None,
-            0 => stream.default_interval(&self.settings.rates, self.settings.personality),
+            0 => stream.default_interval(&self.autopilot.settings.rates, self.autopilot.settings.personality),
             us => {
-                let shortest = self.settings.step.div_f64(RATE_PER_STEP_MAX);
+                let shortest = self.autopilot.settings.step.div_f64(RATE_PER_STEP_MAX);
                 let interval = Duration::from_micros(u64::try_from(us).unwrap_or(1)).min(Duration::from_secs(60));
                 if interval < shortest {
                     let rate_hz = 1.0 / interval.as_secs_f64();
@@ -30,7 +31,8 @@ impl Vehicle {
                 Some(interval)
             }
         };
-        self.links.set_interval(link, stream, interval, self.time);
+        let time = self.autopilot.time;
+        self.links().set_interval(link, stream, interval, time);
         Ok(())
     }
 
@@ -50,7 +52,7 @@ impl Vehicle {
             return self.tell_message_interval(p2, link);
         }
         let stream = known_stream(id).map_err(|reason| Refusal::failed(reason).quietly())?;
-        if !self.links.can_carry(link, stream.message_id()) {
+        if !self.peers().can_carry(link, stream.message_id()) {
             return Err(Refusal::failed("MAVLink 1 does not have this message").quietly());
         }
         self.send_stream(link, stream);
@@ -62,11 +64,11 @@ impl Vehicle {
         check_finite("Interval", &[id])?;
         let stream = known_stream(id);
         let interval_us = match stream {
-            Ok(stream) => self.links.interval(link, stream).map_or(-1, |interval| interval.as_micros() as i32),
+            Ok(stream) => self.peers().interval(link, stream).map_or(-1, |interval| interval.as_micros() as i32),
             Err(_) => 0,
         };
         let message_id = u16::try_from(integer(id)).unwrap_or(u16::MAX);
-        self.links.send(link, &Message::MESSAGE_INTERVAL(MESSAGE_INTERVAL_DATA { interval_us, message_id }));
+        self.links().send(link, &Message::MESSAGE_INTERVAL(MESSAGE_INTERVAL_DATA { interval_us, message_id }));
         stream.map(|_| ()).map_err(|reason| Refusal::failed(reason).quietly())
     }
 }

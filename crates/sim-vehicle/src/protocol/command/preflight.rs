@@ -1,20 +1,16 @@
 //! Commands about the autopilot itself: its calibration, a battery that was changed, and starting it anew.
 
-use crate::autopilot::failsafe::Failsafes;
-use crate::autopilot::manual_control::Channels;
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
 use crate::firmware::Personality;
-use crate::firmware::px4;
-use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{Refusal, check_finite, integer};
 use crate::protocol::mission::Uploads;
 use crate::protocol::parameter::Listings;
 use crate::vehicle::Vehicle;
 use crate::world::BatterySettings;
-use mavlink_bridge::dialect::MavSeverity;
-use std::time::Duration;
 
-impl Vehicle {
+impl Autopilot {
     /// PREFLIGHT_CALIBRATION. Param 1: 1 for the gyroscopes; param 3: 1 for the barometer, whose drift starts anew.
     pub(crate) fn calibrate(&mut self, [gyroscopes, barometer]: [f32; 2]) -> Result<(), Refusal> {
         if self.flight.is_armed() {
@@ -25,7 +21,7 @@ impl Vehicle {
         }
         if barometer == 1.0 {
             self.world.barometer_drift_m = 0.0;
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "Barometer calibration complete");
+            self.say(Severity::Info, "Barometer calibration complete");
             return Ok(());
         }
         Err(Refusal::unsupported())
@@ -46,13 +42,15 @@ impl Vehicle {
     pub(crate) fn send_banner(&mut self) {
         let [major, minor, patch] = self.settings.personality.version();
         let name = self.settings.personality.product();
-        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{name} V{major}.{minor}.{patch}"));
+        self.say(Severity::Info, &format!("{name} V{major}.{minor}.{patch}"));
     }
+}
 
+impl Vehicle {
     /// PREFLIGHT_REBOOT_SHUTDOWN. Param 1: 1 to start anew, or 3, for a boot loader that there is none of.
     pub(crate) fn reboot(&mut self, p1: f32) -> Result<(), Refusal> {
-        let is_px4 = self.settings.personality == Personality::Px4;
-        if self.flight.is_armed() {
+        let is_px4 = self.autopilot.settings.personality == Personality::Px4;
+        if self.autopilot.flight.is_armed() {
             let reason = "Reboot: it is armed";
             return Err(if is_px4 { Refusal::denied(reason) } else { Refusal::failed(reason) });
         }
@@ -69,21 +67,12 @@ impl Vehicle {
     /// As it was switched on, where it stands: parameters and plans are kept, and all that has been told it since is gone.
     /// Its time goes on, for the clock does.
     fn start_anew(&mut self) {
-        let first = if self.settings.on_ground { Mode::Manual } else { self.settings.mode };
-        let mode = self.settings.personality.first_mode(first, self.lockstep.is_some());
-        self.failsafes = Failsafes::new();
-        self.channels = Channels::default();
         self.listings = Listings::default();
         self.uploads = Uploads::default();
-        self.px4 = px4::State::default();
-        self.quiet_until = Duration::ZERO;
-        self.home_is_set = false;
-        self.set_mode(mode);
-        self.reset_mission();
-        self.fence.forget_breaches();
-        self.reconfigure_fence(Parameter::FenceEnable);
-        self.links.restart(self.time);
-        (0..self.links.len()).for_each(|link| self.announce(link));
-        self.send_banner();
+        self.autopilot.reboot();
+        let time = self.autopilot.time;
+        self.links().restart(time);
+        (0..self.peers().len()).for_each(|link| self.announce(link));
+        self.autopilot.send_banner();
     }
 }

@@ -1,13 +1,13 @@
 //! DO_REPOSITION: a place to fly to and circle, in GUIDED.
 
+use crate::autopilot::Autopilot;
 use crate::mode::Mode;
 use crate::protocol::command::{Command, Refusal};
-use crate::vehicle::Vehicle;
 
 /// As wide as ArduPilot can store it, m.
 const RADIUS_MAX_M: f64 = 32_767.0;
 
-impl Vehicle {
+impl Autopilot {
     /// COMMAND_INT only, as in ArduPlane. Param 2: 1 to go into GUIDED. Param 3: radius in m, 0 for WP_LOITER_RAD. Param 4:
     /// anticlockwise if it is a number other than 0. x, y, z: the place. Param 1, a speed, is not read.
     pub(crate) fn reposition(&mut self, command: &Command) -> Result<(), Refusal> {

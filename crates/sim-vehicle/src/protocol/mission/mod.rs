@@ -11,51 +11,18 @@ pub use file::PlanFileError;
 pub(crate) use upload::Uploads;
 
 use crate::autopilot::mission::WAYPOINT;
+use crate::autopilot::plan::{PlanKind, Plans};
 use crate::autopilot::{fence, mission, rally};
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::settings::SettingsError;
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MISSION_COUNT_DATA, MavMissionResult, MavMissionType, MavSeverity, Message};
+use mavlink_bridge::dialect::{MISSION_COUNT_DATA, MavMissionResult, MavMissionType, Message};
 use mavlink_bridge::{ItemKind, PlanItem, PlanItemMessage, PlanMessage, Target};
 
-/// The plans on board, each as it was uploaded.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Plans {
-    /// The mission; its first item stands for home.
-    pub mission: Vec<PlanItem>,
-    /// The fence.
-    pub fence: Vec<PlanItem>,
-    /// The rally points.
-    pub rally: Vec<PlanItem>,
-}
-
-impl Plans {
-    pub(crate) fn take(&mut self, kind: PlanKind) -> Vec<PlanItem> {
-        std::mem::take(self.of(kind))
-    }
-
-    fn of(&mut self, kind: PlanKind) -> &mut Vec<PlanItem> {
-        match kind {
-            PlanKind::Mission => &mut self.mission,
-            PlanKind::Fence => &mut self.fence,
-            PlanKind::Rally => &mut self.rally,
-        }
-    }
-}
-
-/// What a plan is of. Each is uploaded by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PlanKind {
-    Mission,
-    Fence,
-    Rally,
-}
-
 impl PlanKind {
-    pub const ALL: [Self; 3] = [Self::Mission, Self::Fence, Self::Rally];
-
     /// The plan of a MAV_MISSION_TYPE.
     fn from_number(mission_type: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.mission_type() as u8 == mission_type)
@@ -66,14 +33,6 @@ impl PlanKind {
             Self::Mission => MavMissionType::MAV_MISSION_TYPE_MISSION,
             Self::Fence => MavMissionType::MAV_MISSION_TYPE_FENCE,
             Self::Rally => MavMissionType::MAV_MISSION_TYPE_RALLY,
-        }
-    }
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mission => "Mission",
-            Self::Fence => "Fence",
-            Self::Rally => "Rally",
         }
     }
 
@@ -109,35 +68,24 @@ impl PlanKind {
 }
 
 impl Vehicle {
-    /// The items of a plan.
-    pub(crate) fn plan(&self, kind: PlanKind) -> &[PlanItem] {
-        match kind {
-            PlanKind::Mission => &self.mission.items,
-            PlanKind::Fence => self.fence.items(),
-            PlanKind::Rally => &self.rally.items,
-        }
-    }
-
-    /// Takes a plan whose items have been checked one by one, or says why it makes no sense as a whole. `anew` tells that
-    /// it is another one, and not the old one with some items changed.
+    /// Takes a plan whose items have been checked one by one, or says why it makes no sense as a whole.
     pub(crate) fn replace_plan(&mut self, kind: PlanKind, items: Vec<PlanItem>, anew: bool) -> Result<(), String> {
-        match kind {
-            PlanKind::Mission => {
-                self.mission.items = items;
-                self.mission_changed(anew);
-            }
-            PlanKind::Fence => self.replace_fence(items)?,
-            PlanKind::Rally => self.rally.items = items.iter().map(rally::as_kept).collect(),
-        }
+        self.autopilot.replace_plan(kind, items, anew)?;
         self.plans_changed[kind as usize] = true;
         Ok(())
+    }
+
+    /// The items of a plan.
+    pub(crate) fn plan(&self, kind: PlanKind) -> &[PlanItem] {
+        self.autopilot.plan(kind)
     }
 
     /// Takes the plans that were on board before.
     pub(crate) fn restore_plans(&mut self, mut plans: Plans) -> Result<(), SettingsError> {
         for kind in PlanKind::ALL {
             let items = plans.take(kind);
-            check_items(kind, &items, self.mission.first).map_err(|(_, reason)| SettingsError::Plan(reason))?;
+            check_items(kind, &items, self.autopilot.mission.first)
+                .map_err(|(_, reason)| SettingsError::Plan(reason))?;
             let refused = |reason| SettingsError::Plan(format!("{} refused: {reason}", kind.name()));
             // None kept is none cleared: home stays.
             if !items.is_empty() {
@@ -145,7 +93,7 @@ impl Vehicle {
             }
         }
         self.plans_changed = Default::default();
-        self.plan_totals = PlanKind::ALL.map(|kind| self.parameter_value(kind.total()));
+        self.plan_totals = PlanKind::ALL.map(|kind| self.autopilot.parameter_value(kind.total()));
         Ok(())
     }
 
@@ -168,9 +116,9 @@ impl Vehicle {
             }
             PlanMessage::SetCurrent(seq) => {
                 // It has no acknowledgement of its own. Whoever hears at once of another item than he asked for asks again.
-                match self.set_current_item(seq) {
+                match self.autopilot.set_current_item(seq) {
                     Ok(()) => self.send_stream(link, Stream::MissionCurrent),
-                    Err(refusal) => self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal.reason.unwrap_or_default()),
+                    Err(refusal) => self.autopilot.say(Severity::Warning, &refusal.reason.unwrap_or_default()),
                 }
             }
             PlanMessage::Count(count) => self.begin_upload(link, sender, kind, count),
@@ -197,7 +145,7 @@ impl Vehicle {
             _ => MavMissionResult::MAV_MISSION_UNSUPPORTED,
         };
         if result != MavMissionResult::MAV_MISSION_ACCEPTED {
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal("Plan", result));
+            self.autopilot.say(Severity::Warning, &refusal("Plan", result));
         }
         self.send_plan_ack(link, to, mission_type, result);
         self.tell_totals();
@@ -208,31 +156,34 @@ impl Vehicle {
         let kind = PlanKind::Mission;
         if let Err(result) = mission::check(item, 0..0) {
             self.refuse_plan(link, sender, kind, result);
-        } else if self.mode() != Mode::Guided {
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Guided item: mode is {}", self.mode()));
+        } else if self.autopilot.mode() != Mode::Guided {
+            self.autopilot.say(Severity::Warning, &format!("Guided item: mode is {}", self.autopilot.mode()));
             self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
         } else {
             if there {
-                self.flight.reposition(self.place_of(item), self.flight.tuning().loiter_radius_m);
-                self.stop_setpoint_timeout();
+                let place = self.autopilot.place_of(item);
+                self.autopilot.flight.reposition(place, self.autopilot.flight.tuning().loiter_radius_m);
+                self.autopilot.stop_setpoint_timeout();
             }
-            self.flight.set_altitude(self.altitude_of(item), f64::INFINITY);
+            let altitude_m = self.autopilot.altitude_of(item);
+            self.autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
             self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
         }
     }
 
     fn send_count(&mut self, link: usize, to: Target, kind: PlanKind) {
         let Target { system_id: target_system, component_id: target_component } = to;
-        let count = u16::try_from(self.plan(kind).len()).unwrap_or(u16::MAX);
+        let count = u16::try_from(self.autopilot.plan(kind).len()).unwrap_or(u16::MAX);
         let mission_type = kind.mission_type();
         let count =
             MISSION_COUNT_DATA { count, target_system, target_component, mission_type, ..MISSION_COUNT_DATA::DEFAULT };
-        self.links.send(link, &Message::MISSION_COUNT(count));
+        self.links().send(link, &Message::MISSION_COUNT(count));
     }
 
     fn send_item(&mut self, link: usize, to: Target, kind: PlanKind, seq: u16, item_kind: ItemKind) {
-        let is_home = kind == PlanKind::Mission && seq < self.mission.first;
-        let item = if is_home { Some(self.home_item()) } else { self.plan(kind).get(usize::from(seq)).copied() };
+        let is_home = kind == PlanKind::Mission && seq < self.autopilot.mission.first;
+        let item =
+            if is_home { Some(self.home_item()) } else { self.autopilot.plan(kind).get(usize::from(seq)).copied() };
         let Some(item) = item else {
             // ArduPilot tells how many there are.
             if item_kind == ItemKind::Int {
@@ -241,16 +192,16 @@ impl Vehicle {
             self.refuse_plan(link, to, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
             return;
         };
-        let is_current = kind == PlanKind::Mission && !is_home && seq == self.progress.told();
+        let is_current = kind == PlanKind::Mission && !is_home && seq == self.autopilot.progress.told();
         let mission_type = kind.mission_type() as u8;
-        self.links
+        self.links()
             .send_plan_item(link, &PlanItemMessage { mission_type, seq, item: &item, is_current, kind: item_kind, to });
     }
 
     /// Item 0 of a mission is home, whatever was uploaded for it.
     fn home_item(&self) -> PlanItem {
-        let home = self.flight.home();
-        let home = self.settings.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
+        let home = self.autopilot.flight.home();
+        let home = self.autopilot.settings.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
         PlanItem {
             latitude_e7: (home.latitude_deg * 1e7).round() as i32,
             longitude_e7: (home.longitude_deg * 1e7).round() as i32,
@@ -263,7 +214,7 @@ impl Vehicle {
 
     /// Says why, and acknowledges it.
     fn refuse_plan(&mut self, link: usize, to: Target, kind: PlanKind, result: MavMissionResult) {
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal(kind.name(), result));
+        self.autopilot.say(Severity::Warning, &refusal(kind.name(), result));
         self.acknowledge_plan(link, to, kind, result);
     }
 
@@ -274,7 +225,7 @@ impl Vehicle {
 
     /// Everybody is told how many items there are, where that has changed.
     fn tell_totals(&mut self) {
-        let now = PlanKind::ALL.map(|kind| self.parameter_value(kind.total()));
+        let now = PlanKind::ALL.map(|kind| self.autopilot.parameter_value(kind.total()));
         let before = std::mem::replace(&mut self.plan_totals, now);
         for (kind, _) in PlanKind::ALL.into_iter().zip(before.into_iter().zip(now)).filter(|(_, (was, is))| was != is) {
             self.tell_parameter(kind.total());
@@ -282,7 +233,7 @@ impl Vehicle {
     }
 
     fn send_plan_ack(&mut self, link: usize, to: Target, mission_type: u8, result: MavMissionResult) {
-        self.links.acknowledge_plan(link, mission_type, result, to);
+        self.links().acknowledge_plan(link, mission_type, result, to);
     }
 }
 

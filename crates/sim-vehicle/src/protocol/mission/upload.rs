@@ -1,11 +1,13 @@
 //! Uploads. One replaces its plan when the last item has come and all of them make sense, and not before.
 
-use super::{PlanKind, refusal};
+use super::refusal;
+use crate::autopilot::plan::PlanKind;
+use crate::error::Severity;
 use crate::firmware::Personality;
 use crate::links::PeerId;
 use crate::mode::Mode;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavMissionResult, MavSeverity};
+use mavlink_bridge::dialect::MavMissionResult;
 use mavlink_bridge::{PlanItem, Target};
 use std::time::Duration;
 
@@ -79,11 +81,11 @@ impl Vehicle {
             upload.ask_at = now + ASK_AGAIN_AFTER;
             let is_lost = now.saturating_sub(upload.heard) >= GIVE_UP_AFTER;
             let writer = upload.writer;
-            match self.links.of_peer(writer.peer) {
+            match self.peers().of_peer(writer.peer) {
                 Some(link) if !is_lost => self.ask_for_item(link, kind),
                 link => {
                     *self.uploads.of(kind) = None;
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("{} upload timeout", kind.name()));
+                    self.autopilot.say(Severity::Warning, &format!("{} upload timeout", kind.name()));
                     if let Some(link) = link {
                         let result = MavMissionResult::MAV_MISSION_OPERATION_CANCELLED;
                         self.acknowledge_plan(link, writer.sender, kind, result);
@@ -102,7 +104,7 @@ impl Vehicle {
         *self.uploads.of(kind) = None;
         if count > kind.items_max() {
             let text = format!("Only {} items are supported", kind.items_max());
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+            self.autopilot.say(Severity::Warning, &text);
             self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_NO_SPACE);
         } else if count == 0 {
             self.accept_empty_plan(link, sender, kind);
@@ -113,7 +115,7 @@ impl Vehicle {
 
     /// Items from `first` to `last` are to be replaced; the one behind the end is added.
     pub(super) fn begin_partial_upload(&mut self, link: usize, sender: Target, kind: PlanKind, first: i16, last: i16) {
-        let on_board = u16::try_from(self.plan(kind).len()).unwrap_or(u16::MAX);
+        let on_board = u16::try_from(self.autopilot.plan(kind).len()).unwrap_or(u16::MAX);
         let range = u16::try_from(first).ok().zip(u16::try_from(last).ok());
         let range = range.filter(|(first, last)| first <= last && *last <= on_board && *last < kind.items_max());
         // Not even who uploads himself may write a part meanwhile.
@@ -122,14 +124,14 @@ impl Vehicle {
         } else if let Some((first, last)) = range {
             self.ask_for_items(link, sender, kind, first..last + 1, on_board.max(last + 1));
         } else {
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, "Flight plan update rejected");
+            self.autopilot.say(Severity::Warning, "Flight plan update rejected");
             self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
         }
     }
 
     pub(super) fn take_item(&mut self, link: usize, sender: Target, kind: PlanKind, seq: u16, item: PlanItem) {
-        let item = self.settings.personality.read_item(item);
-        let (now, writer) = (self.host_now, Writer { peer: self.links.peer(link), sender });
+        let item = self.autopilot.settings.personality.read_item(item);
+        let (now, writer) = (self.host_now, Writer { peer: self.peers().peer(link), sender });
         let Some(upload) = self.uploads.of(kind) else {
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
             return;
@@ -148,10 +150,10 @@ impl Vehicle {
             // As in ArduPilot, the upload goes on with the item that was asked for.
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
         } else if seq == next {
-            if let Err(result) = kind.check(seq, &item, total, self.mission.first) {
+            if let Err(result) = kind.check(seq, &item, total, self.autopilot.mission.first) {
                 *self.uploads.of(kind) = None;
                 let text = format!("{}, item {seq} ({})", refusal(kind.name(), result), item.command);
-                self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+                self.autopilot.say(Severity::Warning, &text);
                 self.acknowledge_plan(link, sender, kind, result);
                 return;
             }
@@ -178,11 +180,11 @@ impl Vehicle {
         if self.is_uploaded_by_another(link, sender, kind) {
             Some(MavMissionResult::MAV_MISSION_DENIED)
         } else if kind == PlanKind::Mission
-            && self.mode() == Mode::Auto
+            && self.autopilot.mode() == Mode::Auto
             && self.is_armed()
-            && self.settings.personality != Personality::Px4
+            && self.autopilot.settings.personality != Personality::Px4
         {
-            self.say(MavSeverity::MAV_SEVERITY_WARNING, "Mission: it is flown");
+            self.autopilot.say(Severity::Warning, "Mission: it is flown");
             Some(MavMissionResult::MAV_MISSION_ERROR)
         } else {
             None
@@ -206,23 +208,24 @@ impl Vehicle {
         // What is not supported is the message by which an item was asked for.
         let is_broken_off = result != MavMissionResult::MAV_MISSION_ACCEPTED as u8
             && result != MavMissionResult::MAV_MISSION_UNSUPPORTED as u8
-            && self.settings.personality != Personality::ArduPlane;
+            && self.autopilot.settings.personality != Personality::ArduPlane;
         let is_under_way = self.uploads.of(kind).as_ref().is_some_and(|upload| !upload.is_complete());
         if is_broken_off && is_under_way && !self.is_uploaded_by_another(link, sender, kind) {
             *self.uploads.of(kind) = None;
         }
         if is_under_way && result == MavMissionResult::MAV_MISSION_UNSUPPORTED as u8 {
-            self.links.note_old_items(link, !self.links.has_old_items(link));
+            let has_old_items = self.peers().has_old_items(link);
+            self.links().note_old_items(link, !has_old_items);
         }
     }
 
     pub(super) fn is_uploaded_by_another(&mut self, link: usize, sender: Target, kind: PlanKind) -> bool {
-        let writer = Writer { peer: self.links.peer(link), sender };
+        let writer = Writer { peer: self.peers().peer(link), sender };
         self.uploads.of(kind).as_ref().is_some_and(|upload| !upload.is_complete() && upload.writer != writer)
     }
 
     fn ask_for_items(&mut self, link: usize, sender: Target, kind: PlanKind, range: std::ops::Range<u16>, total: u16) {
-        let writer = Writer { peer: self.links.peer(link), sender };
+        let writer = Writer { peer: self.peers().peer(link), sender };
         let (heard, ask_at) = (self.host_now, self.host_now + ASK_AGAIN_AFTER);
         let (first, count) = (range.start, range.end - range.start);
         *self.uploads.of(kind) = Some(Upload { writer, first, items: Vec::new(), count, total, heard, ask_at });
@@ -232,9 +235,9 @@ impl Vehicle {
     fn ask_for_item(&mut self, link: usize, kind: PlanKind) {
         let Some(upload) = self.uploads.of(kind) else { return };
         let (seq, to) = (upload.next(), upload.writer.sender);
-        let has_old_items = self.links.has_old_items(link);
-        let request = self.settings.personality.item_request(seq, to, kind.mission_type(), has_old_items);
-        self.links.send(link, &request);
+        let has_old_items = self.peers().has_old_items(link);
+        let request = self.autopilot.settings.personality.item_request(seq, to, kind.mission_type(), has_old_items);
+        self.links().send(link, &request);
     }
 
     /// The last item has come.
@@ -242,7 +245,7 @@ impl Vehicle {
         let Some(upload) = self.uploads.of(kind) else { return };
         let (first, total, new) = (usize::from(upload.first), upload.total, upload.items.clone());
         let anew = upload.count == total;
-        let mut items = if anew { Vec::new() } else { self.plan(kind).to_vec() };
+        let mut items = if anew { Vec::new() } else { self.autopilot.plan(kind).to_vec() };
         items.resize(usize::from(total), PlanItem::default());
         for (kept, new) in items.iter_mut().skip(first).zip(new) {
             *kept = new;
@@ -250,13 +253,13 @@ impl Vehicle {
         match self.replace_plan(kind, items, anew) {
             Ok(()) => {
                 if kind == PlanKind::Mission {
-                    self.say(MavSeverity::MAV_SEVERITY_INFO, "Flight plan received");
+                    self.autopilot.say(Severity::Info, "Flight plan received");
                 }
                 self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ACCEPTED);
             }
             Err(reason) => {
                 *self.uploads.of(kind) = None;
-                self.say(MavSeverity::MAV_SEVERITY_WARNING, &reason);
+                self.autopilot.say(Severity::Warning, &reason);
                 self.acknowledge_plan(link, sender, kind, MavMissionResult::MAV_MISSION_ERROR);
             }
         }

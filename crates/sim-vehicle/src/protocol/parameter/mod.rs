@@ -5,12 +5,13 @@ mod pace;
 
 pub(crate) use pace::Pace;
 
+use crate::error::Severity;
 use crate::firmware::Personality;
 use crate::links::PeerId;
 use crate::parameters::{Effect, Parameter, ParameterRefused};
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavParamError, MavParamType, MavSeverity, Message};
+use mavlink_bridge::dialect::{MavParamError, MavParamType, Message};
 use mavlink_bridge::{ParameterRequest, Target, parameter_error, parameter_value};
 use pace::PARAMETERS_AT_ONCE;
 use std::time::Duration;
@@ -38,7 +39,7 @@ impl Vehicle {
     pub(crate) fn serve_parameter(&mut self, link: usize, sender: Target, request: &ParameterRequest) {
         match request {
             ParameterRequest::List => {
-                let peer = self.links.peer(link);
+                let peer = self.peers().peer(link);
                 // Clients that ask for all this have just connected: some learn from the next heartbeat whom they talk to.
                 self.send_stream(link, Stream::Heartbeat);
                 let due = self.pace.reserve(peer, self.host_now);
@@ -49,8 +50,8 @@ impl Vehicle {
             }
             ParameterRequest::ReadIndex(index) => {
                 // Only who completes a list asks by index.
-                self.links.slow_down(link);
-                match usize::try_from(*index).ok().and_then(|i| self.parameters.list().get(i)) {
+                self.links().slow_down(link);
+                match usize::try_from(*index).ok().and_then(|i| self.autopilot.parameters.list().get(i)) {
                     Some(&parameter) => self.send_parameter(link, parameter, u16::try_from(*index).ok()),
                     None => {
                         let reason = format!("No parameter of index {index}");
@@ -65,18 +66,23 @@ impl Vehicle {
                     }
                 }
             }
-            ParameterRequest::ReadName(name) if name == hash::NAME && self.settings.personality == Personality::Px4 => {
-                let (hash, count) = (f32::from_bits(hash::of(&self.parameters)), self.parameters.list().len() as u16);
+            ParameterRequest::ReadName(name)
+                if name == hash::NAME && self.autopilot.settings.personality == Personality::Px4 =>
+            {
+                let (hash, count) = (
+                    f32::from_bits(hash::of(&self.autopilot.parameters)),
+                    self.autopilot.parameters.list().len() as u16,
+                );
                 let value = parameter_value(hash::NAME, MavParamType::MAV_PARAM_TYPE_UINT32, hash, count, None);
-                self.links.send(link, &value);
+                self.links().send(link, &value);
             }
-            ParameterRequest::ReadName(name) => match self.parameters.named(name) {
+            ParameterRequest::ReadName(name) => match self.autopilot.parameters.named(name) {
                 Some(parameter) => self.send_parameter(link, parameter, None),
                 None => self.refuse_unknown(link, sender, name),
             },
-            ParameterRequest::Set { name, value, kind } => match self.parameters.named(name) {
+            ParameterRequest::Set { name, value, kind } => match self.autopilot.parameters.named(name) {
                 Some(parameter) => {
-                    let value = self.parameters.read_wire(parameter, *value, *kind);
+                    let value = self.autopilot.parameters.read_wire(parameter, *value, *kind);
                     self.write_parameter(link, sender, parameter, value);
                 }
                 None => self.refuse_unknown(link, sender, name),
@@ -88,39 +94,36 @@ impl Vehicle {
     pub(crate) fn send_listings(&mut self) {
         let mut listings = std::mem::take(&mut self.listings);
         listings.0.retain_mut(|listing| {
-            let Some(link) = self.links.of_peer(listing.peer) else { return false };
-            self.links.slow_down(link);
-            while listing.due <= self.host_now && listing.next < self.parameters.list().len() {
-                for index in (listing.next..self.parameters.list().len()).take(PARAMETERS_AT_ONCE) {
-                    self.send_parameter(link, self.parameters.list()[index], u16::try_from(index).ok());
+            let Some(link) = self.peers().of_peer(listing.peer) else { return false };
+            self.links().slow_down(link);
+            while listing.due <= self.host_now && listing.next < self.autopilot.parameters.list().len() {
+                for index in (listing.next..self.autopilot.parameters.list().len()).take(PARAMETERS_AT_ONCE) {
+                    self.send_parameter(link, self.autopilot.parameters.list()[index], u16::try_from(index).ok());
                 }
                 listing.next += PARAMETERS_AT_ONCE;
                 listing.due = self.pace.reserve(listing.peer, self.host_now);
             }
-            listing.next < self.parameters.list().len()
+            listing.next < self.autopilot.parameters.list().len()
         });
         self.listings = listings;
     }
 
     /// Takes a value of a parameter, and does what it means.
     pub(crate) fn set_parameter(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
-        self.parameters.set(parameter, value)?;
+        self.autopilot.set_parameter(parameter, value)?;
         self.parameters_changed = true;
-        let value = self.parameters.get(parameter);
+        let value = self.autopilot.parameters.get(parameter);
         match parameter.row().effect {
             Effect::SystemId => {
                 // In range, so it fits.
-                self.settings.system_id = value as u8;
-                self.links.set_system_id(self.settings.system_id);
-                self.ids.set(self.place, self.settings.system_id);
+                let system_id = value as u8;
+                self.autopilot.settings.system_id = system_id;
+                self.links().set_system_id(system_id);
+                self.ids.set(self.place, system_id);
             }
             Effect::Rates(streams) => self.set_rates(streams, value),
-            Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
-            Effect::RadioLoss => self.links.set_loss(f64::from(value) / 100.0),
-            Effect::Battery => self.world.battery.replace(),
-            Effect::Fence => self.reconfigure_fence(parameter),
-            Effect::SetpointTimeout => self.restart_setpoint_timeout(),
-            Effect::LookedUp | Effect::ReadOnly => {}
+            Effect::RadioLoss => self.links().set_loss(f64::from(value) / 100.0),
+            _ => {}
         }
         Ok(())
     }
@@ -133,14 +136,14 @@ impl Vehicle {
         value: Result<f32, ParameterRefused>,
     ) {
         // Everybody hears of a change, from the system that they know.
-        let before = self.settings.system_id;
+        let before = self.autopilot.settings.system_id;
         let value = value.and_then(|value| self.check_system_id(parameter, value));
         match value.and_then(|value| self.set_parameter(parameter, value)) {
             Ok(()) => {
-                let after = self.settings.system_id;
-                self.links.set_system_id(before);
+                let after = self.autopilot.settings.system_id;
+                self.links().set_system_id(before);
                 self.tell_parameter(parameter);
-                self.links.set_system_id(after);
+                self.links().set_system_id(after);
             }
             Err(refused) => {
                 let error = match refused {
@@ -148,7 +151,8 @@ impl Vehicle {
                     ParameterRefused::Type(_) => MavParamError::MAV_PARAM_ERROR_TYPE_MISMATCH,
                     _ => MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
                 };
-                self.refuse_parameter(link, sender, self.parameters.name(parameter), -1, error, &refused.to_string());
+                let name = self.autopilot.parameters.name(parameter);
+                self.refuse_parameter(link, sender, name, -1, error, &refused.to_string());
                 self.send_parameter(link, parameter, None);
             }
         }
@@ -165,36 +169,28 @@ impl Vehicle {
 
     fn set_rates(&mut self, streams: &[Stream], rate_hz: f32) {
         for &stream in streams {
-            stream.set_default_rate(&mut self.settings.rates, self.settings.personality, f64::from(rate_hz));
+            let personality = self.autopilot.settings.personality;
+            stream.set_default_rate(&mut self.autopilot.settings.rates, personality, f64::from(rate_hz));
         }
-        self.links.set_default_rates(&self.settings.rates, streams, self.time);
+        let (rates, time) = (self.autopilot.settings.rates, self.autopilot.time);
+        self.links().set_default_rates(&rates, streams, time);
     }
 
     fn send_parameter(&mut self, link: usize, parameter: Parameter, index: Option<u16>) {
         let message = self.parameter_message(parameter, index);
-        self.links.send(link, &message);
-    }
-
-    /// What it is now.
-    pub(crate) fn parameter_value(&self, parameter: Parameter) -> f32 {
-        match parameter {
-            Parameter::RunTime => self.time.as_secs() as f32,
-            Parameter::MissionTotal => self.mission.items.len() as f32,
-            Parameter::FenceTotal => self.fence.total() as f32,
-            Parameter::RallyTotal => self.rally.items.len() as f32,
-            other => self.parameters.get(other),
-        }
+        self.links().send(link, &message);
     }
 
     /// Tells everybody what it is.
     pub(crate) fn tell_parameter(&mut self, parameter: Parameter) {
-        self.links.send_all(&self.parameter_message(parameter, None));
+        let message = self.parameter_message(parameter, None);
+        self.links().send_all(&message);
     }
 
     fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
-        let value = self.parameters.to_wire(parameter, self.parameter_value(parameter));
-        let (name, kind) = (self.parameters.name(parameter), self.parameters.kind(parameter));
-        parameter_value(name, kind, value, self.parameters.list().len() as u16, index)
+        let value = self.autopilot.parameters.to_wire(parameter, self.autopilot.parameter_value(parameter));
+        let (name, kind) = (self.autopilot.parameters.name(parameter), self.autopilot.parameters.kind(parameter));
+        parameter_value(name, kind, value, self.autopilot.parameters.list().len() as u16, index)
     }
 
     fn refuse_unknown(&mut self, link: usize, sender: Target, name: &str) {
@@ -211,7 +207,7 @@ impl Vehicle {
         error: MavParamError,
         reason: &str,
     ) {
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, reason);
-        self.links.send(link, &parameter_error(name, index, error, sender));
+        self.autopilot.say(Severity::Warning, reason);
+        self.links().send(link, &parameter_error(name, index, error, sender));
     }
 }
