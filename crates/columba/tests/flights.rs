@@ -127,6 +127,18 @@ fn the_same_seed_gives_the_same_bytes_by_every_way() {
     assert!(room.read("other/trajectory.parquet") != flown[0], "another seed is another flight");
 }
 
+/// 0.1 s has no exact binary value: ticks times the period and the sum of the periods are different numbers.
+#[test]
+fn a_period_that_is_no_binary_fraction_gives_the_same_bytes_by_every_way() {
+    let room = Room::new();
+    room.write("tenth.toml", SMALL.replace("duration_s = 2.0", "duration_s = 2.0\ncontrol_period_s = 0.1"));
+    let [memory, udp] = ["memory", "udp"].map(|transport| {
+        room.columba(&["run", "tenth.toml", "--transport", transport, "--no-report", "-q", "-o", transport]).with(0);
+        room.read(&format!("{transport}/trajectory.parquet"))
+    });
+    assert!(memory == udp, "the two transports flew differently");
+}
+
 #[test]
 fn a_collision_is_exit_status_1_and_says_who_and_when() {
     let room = Room::new();

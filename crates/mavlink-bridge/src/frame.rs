@@ -179,7 +179,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Whom a command is addressed to; see [`crate::raw_command`].
+    /// The target in two bytes of the payload.
     pub(crate) fn target_at(&self, offset: usize) -> Target {
         Target { system_id: self.payload_byte(offset), component_id: self.payload_byte(offset + 1) }
     }

@@ -3,7 +3,7 @@
 use super::{Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal};
 use crate::args::{Cli, FlyArgs};
 use crate::config::{self, GROUND_PORT, Overrides, Scenario};
-use crate::flying::{self, Ground, Pace, Progress};
+use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Progress, RealTime};
 use anyhow::anyhow;
 use sim_vehicle::NETWORK_VEHICLES_MAX;
 use std::net::SocketAddr;
@@ -26,18 +26,20 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
     let (folder, flight, log) = block_on(async {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
-        let mut ground = Ground::bind(&scenario, address).map_err(|error| ground_port_refused(&scenario, error))?;
+        let mut ground =
+            GroundStation::bind(&scenario, address).map_err(|error| ground_port_refused(&scenario, error))?;
         let folder = open_folder(&scenario)?;
         ground.expect(scenario.starts.len(), addresses.as_deref());
+        let ground_truth = GroundTruth::telemetry();
         let (flight, log) = if args.lockstep {
-            flying::fly_in_lockstep(&scenario, ground, None, &progress, stop).await
+            flying::fly(&scenario, Lockstep::new(&scenario, ground, ground_truth), &progress, stop).await
         } else {
-            flying::fly_in_real_time(&scenario, ground, None, Pace { speed: args.speed }, &progress, stop).await
+            flying::fly(&scenario, RealTime::new(&scenario, ground, ground_truth, args.speed), &progress, stop).await
         }?;
         Ok((folder, flight, log))
     })?;
     drop(progress);
-    conclude(cli, &scenario, &folder, &flight, Some(log), !args.flight.no_report)
+    conclude(cli, &scenario, &folder, &flight, log, !args.flight.no_report)
 }
 
 /// The vehicles' addresses, where the scenario names their first port.

@@ -7,7 +7,7 @@ use super::{
 use crate::args::{Cli, RunArgs, Transport};
 use crate::config::{self, Overrides, Scenario, VEHICLE_PORT};
 use crate::flight::Flight;
-use crate::flying::{self, Ground, Log, Pace, Progress, Stop, Truth};
+use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Log, Progress, RealTime, Stop};
 use crate::record::RunFolder;
 use anyhow::anyhow;
 use mavlink_bridge::LinkSettings;
@@ -31,10 +31,7 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
             let folder = open_folder(&scenario)?;
             (folder, flying::fly_in_memory(&scenario, &progress, &stop)?, None)
         }
-        Transport::Udp => {
-            let (folder, flight, log) = over_udp(&scenario, args.speed, &progress, stop)?;
-            (folder, flight, Some(log))
-        }
+        Transport::Udp => over_udp(&scenario, args.speed, &progress, stop)?,
     };
     drop(progress);
     conclude(cli, &scenario, &folder, &flight, log, !args.flight.no_report)
@@ -46,16 +43,16 @@ fn over_udp(
     speed: Option<f64>,
     progress: &Progress,
     stop: Stop,
-) -> anyhow::Result<(RunFolder, Flight, Log)> {
+) -> anyhow::Result<(RunFolder, Flight, Option<Log>)> {
     allow_ports(scenario)?;
     block_on(async {
         let mut ground =
-            Ground::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
+            GroundStation::bind(scenario, SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(0)))
                 .map_err(|error| ground_port_refused(scenario, error))?;
         let (clock, epoch_us) = flying::clock(scenario, speed);
         // Nobody else needs to find the vehicles of a run in lockstep, and several such runs share a machine.
         let base_port = scenario.link.vehicle_port.unwrap_or(if speed.is_some() { VEHICLE_PORT } else { 0 });
-        let (observer, truth) = flying::truth(scenario.starts.len(), scenario.integration_step);
+        let (observer, ground_truth) = GroundTruth::observed(scenario.starts.len(), scenario.integration_step);
         let vehicles = flying::led_vehicle_settings(scenario, Some(ground.address()?), epoch_us);
         // The link's impairment is the ground's: both directions pass there once.
         let settings = flying::host_settings(scenario, clock, base_port, LinkSettings::default());
@@ -71,7 +68,7 @@ fn over_udp(
         let flown = match addresses.await {
             Ok(addresses) => {
                 ground.expect(addresses.len(), Some(&addresses));
-                Ok(fly(scenario, ground, truth, speed, progress, stop).await)
+                Ok(fly(scenario, ground, ground_truth, speed, progress, stop).await)
             }
             Err(never_sent) => Err(never_sent),
         };
@@ -88,16 +85,18 @@ fn over_udp(
 
 async fn fly(
     scenario: &Scenario,
-    ground: Ground,
-    truth: Truth,
+    ground: GroundStation,
+    ground_truth: GroundTruth,
     speed: Option<f64>,
     progress: &Progress,
     stop: Stop,
-) -> anyhow::Result<(RunFolder, Flight, Log)> {
+) -> anyhow::Result<(RunFolder, Flight, Option<Log>)> {
     let folder = open_folder(scenario)?;
     let (flight, log) = match speed {
-        None => flying::fly_in_lockstep(scenario, ground, Some(truth), progress, stop).await,
-        Some(speed) => flying::fly_in_real_time(scenario, ground, Some(truth), Pace { speed }, progress, stop).await,
+        None => flying::fly(scenario, Lockstep::new(scenario, ground, ground_truth), progress, stop).await,
+        Some(speed) => {
+            flying::fly(scenario, RealTime::new(scenario, ground, ground_truth, speed), progress, stop).await
+        }
     }?;
     Ok((folder, flight, log))
 }

@@ -62,7 +62,12 @@ pub fn fly(plan: &Plan, journal: Journal, flown: &mut Flown, crew: &Crew) -> any
 pub fn fly_once(scenario: &Scenario, stop: &Stop) -> anyhow::Result<Option<Flight>> {
     let silent = Progress::new(scenario.ticks(), scenario.control_period, true);
     let flight = flying::fly_in_memory(scenario, &silent, stop)?;
-    Ok((!flight.summary.interrupted).then_some(flight))
+    let Summary { completed, interrupted, failure, .. } = &flight.summary;
+    match failure {
+        // A collision is a result; a flight that could not go on is none.
+        Some(failure) if !completed && !interrupted => Err(anyhow!("{failure}")),
+        _ => Ok((!interrupted).then_some(flight)),
+    }
 }
 
 /// Who does the work.

@@ -1,122 +1,54 @@
-//! The controller's side of a lockstep flight: real MAVLink over UDP, simulated time.
+//! A world over real MAVLink in simulated time.
 //!
 //! A vehicle at time t moves on to t + T only when it has the setpoint stamped t. Until then it repeats where it is, and
 //! the controller answers each repetition with the setpoint again. So nothing that the network does, and no load of the
 //! machine, can change a flight: it can only take longer.
 
-use super::ground::{Ground, GroundError, stopped};
 use super::vehicles::LOCKSTEP_EPOCH_US;
-use super::{Ended, Log, Progress, Recorder, Stop, Truth};
+use super::{FlightError, GroundStation, GroundTruth, Interval, Log, World};
 use crate::config::Scenario;
-use crate::flight::Flight;
-use controller::Flock;
+use controller::Decision;
 use flight_model::State;
 use mavlink_bridge::{News, boot_ms, local_ned_setpoint};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use tokio::time::Instant;
 
-/// A vehicle that says nothing for this long is given up.
+/// A vehicle that is silent for this long is given up.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Flies a scenario with vehicles that keep simulated time. `truth` is how they really fly, where that is known.
-pub async fn fly(
-    scenario: &Scenario,
-    mut ground: Ground,
-    mut truth: Option<Truth>,
-    progress: &Progress,
-    mut stop: Stop,
-) -> anyhow::Result<(Flight, Log)> {
-    let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
-    let vehicles = scenario.starts.len();
-    let mut flight = Lockstep { now: Duration::ZERO, datagrams: vec![Vec::new(); vehicles], states: Vec::new() };
-    let mustered = ground.make_ready(PATIENCE, LOCKSTEP_EPOCH_US, &mut stop).await;
-    let starts = match mustered {
-        Ok(()) => ground.fleet().crafts().iter().filter_map(|craft| craft.position.map(|at| at.state)).collect(),
-        Err(_) => scenario.starts.clone(),
-    };
-    let mut recorder = Recorder::new(scenario, &starts);
-    flight.states = starts;
-    let ended = match mustered {
-        Ok(()) => flight.fly(scenario, &mut ground, &mut truth, &mut flock, &mut recorder, progress, &mut stop).await,
-        Err(error) => Err(error),
-    };
-    let ended = Ended::from(ended);
-    recorder.last(flight.now.as_secs_f64(), &flight.states);
-    let (counters, log) = ground.close();
-    Ok((recorder.finish(scenario, "lockstep", ended, serde_json::to_value(counters)?), log))
-}
-
-struct Lockstep {
+/// Vehicles that keep simulated time, behind a link.
+pub struct Lockstep {
+    ground: GroundStation,
+    ground_truth: GroundTruth,
     /// Simulated time that all vehicles have reached.
     now: Duration,
+    states: Vec<State>,
     /// The setpoint that each vehicle was sent last, to be sent again.
     datagrams: Vec<Vec<u8>>,
-    states: Vec<State>,
 }
 
 impl Lockstep {
-    #[allow(clippy::too_many_arguments)] // the parts of one flight, each with its own owner
-    async fn fly(
-        &mut self,
-        scenario: &Scenario,
-        ground: &mut Ground,
-        truth: &mut Option<Truth>,
-        flock: &mut Flock,
-        recorder: &mut Recorder,
-        progress: &Progress,
-        stop: &mut Stop,
-    ) -> Result<(), GroundError> {
-        let started = Instant::now();
-        let clock = move || started.elapsed();
-        let step_s = scenario.integration_step.as_secs_f64();
-        self.gather(ground, stop).await?;
-        for tick in 0..scenario.ticks() {
-            let decisions = flock.tick(tick, &self.states, &clock);
-            recorder.tick(self.now.as_secs_f64(), &self.states, decisions);
-            for (vehicle, decision) in decisions.iter().enumerate() {
-                let setpoint = local_ned_setpoint(self.now, ground.target(vehicle), &decision.setpoint);
-                let at_us = self.at_us();
-                let datagram = ground.send(vehicle, &[setpoint], at_us).await;
-                self.datagrams[vehicle].clear();
-                self.datagrams[vehicle].extend_from_slice(datagram);
-            }
-            let before = self.now;
-            self.now += scenario.control_period;
-            if let Err(error) = self.gather(ground, stop).await {
-                self.now = before;
-                return Err(error);
-            }
-            match truth.as_mut().map(Truth::take) {
-                Some((start, tracks)) => recorder.truth(start.as_secs_f64(), step_s, &tracks),
-                // Without the vehicles at hand their telemetry is all there is to judge by.
-                None => {
-                    let tracks: Vec<Vec<State>> = self.states.iter().map(|state| vec![*state]).collect();
-                    recorder.truth(before.as_secs_f64(), scenario.control_period.as_secs_f64(), &tracks);
-                }
-            }
-            progress.flown(tick + 1);
-        }
-        Ok(())
+    /// The vehicles of a scenario as `ground` hears them.
+    pub fn new(scenario: &Scenario, ground: GroundStation, ground_truth: GroundTruth) -> Self {
+        let states = scenario.starts.clone();
+        Self { ground, ground_truth, now: Duration::ZERO, datagrams: vec![Vec::new(); states.len()], states }
     }
 
-    /// Waits until every vehicle has reached `now`; answers those that ask again meanwhile.
-    async fn gather(&mut self, ground: &mut Ground, stop: &mut Stop) -> Result<(), GroundError> {
-        let now_ms = boot_ms(self.now);
+    /// Waits until every vehicle has reached `time`; answers those that ask again meanwhile.
+    async fn gather(&mut self, time: Duration) -> Result<(), FlightError> {
+        let time_ms = boot_ms(time);
         let mut news = Vec::new();
-        let mut behind: Vec<bool> = ground
-            .fleet()
-            .crafts()
-            .iter()
-            .map(|craft| craft.position.map(|at| at.time_boot_ms) != Some(now_ms))
-            .collect();
+        let crafts = self.ground.fleet().crafts().iter();
+        let mut behind: Vec<bool> =
+            crafts.map(|craft| craft.position.map(|at| at.time_boot_ms) != Some(time_ms)).collect();
         let mut missing = behind.iter().filter(|behind| **behind).count();
-        let mut deadline = tokio::time::Instant::now() + PATIENCE;
+        let mut deadline = Instant::now() + PATIENCE;
         while missing > 0 {
             tokio::select! {
-                () = stopped(stop) => return Err(GroundError::Interrupted),
-                received = ground.recv(self.at_us(), &mut news) => received?,
+                received = self.ground.recv(at_us(time), &mut news) => received?,
                 () = tokio::time::sleep_until(deadline) => {
                     let missing = (0..behind.len()).filter(|&vehicle| behind[vehicle]).collect();
-                    return Err(GroundError::Silent { missing, waited: PATIENCE });
+                    return Err(FlightError::Silent { missing, waited: PATIENCE });
                 }
             }
             // A datagram brings the positions of the way too: only its last one tells where the vehicle waits.
@@ -125,23 +57,68 @@ impl Lockstep {
                 _ => None,
             });
             let Some(vehicle) = last.filter(|&vehicle| behind[vehicle]) else { continue };
-            let Some(position) = ground.fleet().crafts()[vehicle].position else { continue };
-            if position.time_boot_ms == now_ms {
+            let Some(position) = self.ground.fleet().crafts()[vehicle].position else { continue };
+            if position.time_boot_ms == time_ms {
                 behind[vehicle] = false;
                 missing -= 1;
-                deadline = tokio::time::Instant::now() + PATIENCE;
+                deadline = Instant::now() + PATIENCE;
             } else if !self.datagrams[vehicle].is_empty() {
-                let datagram = std::mem::take(&mut self.datagrams[vehicle]);
-                ground.send_again(vehicle, &datagram, self.at_us()).await;
-                self.datagrams[vehicle] = datagram;
+                tracing::trace!(vehicle = vehicle + 1, waits_at_ms = position.time_boot_ms, "setpoint sent again");
+                self.ground.send_again(vehicle, &self.datagrams[vehicle], at_us(time)).await;
             }
         }
+        self.now = time;
         self.states.clear();
-        self.states.extend(ground.fleet().crafts().iter().filter_map(|craft| craft.position.map(|at| at.state)));
+        self.states.extend(self.ground.fleet().crafts().iter().filter_map(|craft| craft.position.map(|at| at.state)));
+        Ok(())
+    }
+}
+
+impl World for Lockstep {
+    fn transport(&self) -> &'static str {
+        "lockstep"
+    }
+
+    async fn prepare(&mut self) -> Result<(), FlightError> {
+        self.ground.make_ready(PATIENCE, LOCKSTEP_EPOCH_US).await?;
+        self.gather(Duration::ZERO).await
+    }
+
+    fn now(&self) -> Duration {
+        self.now
+    }
+
+    fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    async fn send(&mut self, decisions: &[Decision]) -> Result<(), FlightError> {
+        for (vehicle, (decision, kept)) in decisions.iter().zip(&mut self.datagrams).enumerate() {
+            let setpoint = local_ned_setpoint(self.now, self.ground.target(vehicle), &decision.setpoint);
+            let datagram = self.ground.send(vehicle, &[setpoint], at_us(self.now)).await;
+            kept.clear();
+            kept.extend_from_slice(datagram);
+        }
         Ok(())
     }
 
-    fn at_us(&self) -> u64 {
-        LOCKSTEP_EPOCH_US + self.now.as_micros() as u64
+    async fn advance(&mut self, until: Duration) -> Result<(), FlightError> {
+        let from = self.now;
+        self.gather(until).await?;
+        self.ground_truth.advance(from, until, &self.states);
+        Ok(())
     }
+
+    fn ground_truth(&mut self) -> Interval<'_> {
+        self.ground_truth.interval()
+    }
+
+    fn close(self) -> (serde_json::Value, Option<Log>) {
+        self.ground.close()
+    }
+}
+
+/// What the log shows at a simulated time.
+fn at_us(time: Duration) -> u64 {
+    LOCKSTEP_EPOCH_US + time.as_micros() as u64
 }

@@ -1,54 +1,107 @@
-//! A flight in memory: no sockets, simulated time, as fast as it goes.
+//! A world in memory: no sockets, simulated time, as fast as it goes.
 //!
 //! States and setpoints are rounded as the wire would round them, so that a flight has the same bits as in lockstep.
 
-use super::{Ended, Progress, Recorder, Stop, led_vehicle_settings};
+use super::{FlightError, Interval, LOCKSTEP_EPOCH_US, Log, Progress, Stop, World, fly, led_vehicle_settings};
 use crate::config::Scenario;
 use crate::flight::Flight;
-use anyhow::Context;
-use controller::Flock;
+use controller::Decision;
 use flight_model::State;
 use mavlink_bridge::{wire_round, wire_round_setpoint};
-use sim_vehicle::Vehicle;
-use std::time::{Duration, Instant};
+use sim_vehicle::{SettingsError, Vehicle, VehicleSettings};
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
+use std::time::Duration;
 
-/// Flies a scenario from beginning to end, or until `stop`.
-pub fn fly(scenario: &Scenario, progress: &Progress, stop: &Stop) -> anyhow::Result<Flight> {
-    let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
-    let mut vehicles = led_vehicle_settings(scenario, None, super::LOCKSTEP_EPOCH_US)
-        .into_iter()
-        .map(|settings| Vehicle::new(sim_vehicle::VehicleSettings { ground: None, ..settings }))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut recorder = Recorder::new(scenario, &scenario.starts);
-    let mut tracks: Vec<Vec<State>> = vec![Vec::new(); vehicles.len()];
-    let mut states: Vec<State> = vehicles.iter().map(|vehicle| wire_round(vehicle.state())).collect();
-    let started = Instant::now();
-    let clock = move || started.elapsed();
-    let (period_s, step_s) = (scenario.control_period.as_secs_f64(), scenario.integration_step.as_secs_f64());
-
-    let mut ended = Ended::Completed;
-    let mut flown = Duration::ZERO;
-    for tick in 0..scenario.ticks() {
-        if *stop.borrow() {
-            ended = Ended::Interrupted;
-            break;
+/// Flies a scenario in memory from beginning to end, or until `stop`.
+///
+/// # Errors
+/// The optimiser or a vehicle refuses its settings.
+pub fn fly_in_memory(scenario: &Scenario, progress: &Progress, stop: &Stop) -> anyhow::Result<Flight> {
+    let mut flight = pin!(fly(scenario, Memory::new(scenario)?, progress, stop.clone()));
+    // Nothing in memory waits for anything, so that no runtime is needed to wake it.
+    let mut context = Context::from_waker(Waker::noop());
+    loop {
+        if let Poll::Ready(flown) = flight.as_mut().poll(&mut context) {
+            return flown.map(|(flight, _)| flight);
         }
-        let t_s = tick as f64 * period_s;
-        let decisions = flock.tick(tick, &states, &clock);
-        recorder.tick(t_s, &states, decisions);
-        flown += scenario.control_period;
-        for ((vehicle, decision), track) in vehicles.iter_mut().zip(decisions).zip(&mut tracks) {
-            track.clear();
+    }
+}
+
+/// The simulated vehicles of a scenario, called directly.
+pub struct Memory {
+    vehicles: Vec<Vehicle>,
+    now: Duration,
+    /// As the wire would tell them.
+    states: Vec<State>,
+    interval_start: Duration,
+    step: Duration,
+    tracks: Vec<Vec<State>>,
+}
+
+impl Memory {
+    /// The vehicles at their starts.
+    ///
+    /// # Errors
+    /// A vehicle refuses its settings.
+    pub fn new(scenario: &Scenario) -> Result<Self, SettingsError> {
+        let vehicles = led_vehicle_settings(scenario, None, LOCKSTEP_EPOCH_US)
+            .into_iter()
+            .map(|settings| Vehicle::new(VehicleSettings { ground: None, ..settings }))
+            .collect::<Result<Vec<_>, _>>()?;
+        let states = vehicles.iter().map(|vehicle| wire_round(vehicle.state())).collect();
+        let tracks = vec![Vec::new(); vehicles.len()];
+        let step = scenario.integration_step;
+        Ok(Self { vehicles, now: Duration::ZERO, states, interval_start: Duration::ZERO, step, tracks })
+    }
+}
+
+impl World for Memory {
+    fn transport(&self) -> &'static str {
+        "memory"
+    }
+
+    async fn prepare(&mut self) -> Result<(), FlightError> {
+        Ok(())
+    }
+
+    fn now(&self) -> Duration {
+        self.now
+    }
+
+    fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    fn starts(&self) -> Vec<State> {
+        self.vehicles.iter().map(|vehicle| *vehicle.state()).collect()
+    }
+
+    async fn send(&mut self, decisions: &[Decision]) -> Result<(), FlightError> {
+        for (index, (vehicle, decision)) in self.vehicles.iter_mut().zip(decisions).enumerate() {
             vehicle
                 .command(&wire_round_setpoint(&decision.setpoint))
-                .context("a simulated vehicle refused a setpoint")?;
-            vehicle.advance(flown, track);
+                .map_err(|reason| FlightError::Setpoint { vehicle: index, reason: reason.to_string() })?;
         }
-        recorder.truth(t_s, step_s, &tracks);
-        states.clear();
-        states.extend(vehicles.iter().map(|vehicle| wire_round(vehicle.state())));
-        progress.flown(tick + 1);
+        Ok(())
     }
-    recorder.last(flown.as_secs_f64(), &states);
-    Ok(recorder.finish(scenario, "memory", ended, serde_json::Value::Null))
+
+    async fn advance(&mut self, until: Duration) -> Result<(), FlightError> {
+        (self.interval_start, self.now) = (self.now, until);
+        for (vehicle, track) in self.vehicles.iter_mut().zip(&mut self.tracks) {
+            track.clear();
+            vehicle.advance(until, track);
+        }
+        self.states.clear();
+        self.states.extend(self.vehicles.iter().map(|vehicle| wire_round(vehicle.state())));
+        Ok(())
+    }
+
+    fn ground_truth(&mut self) -> Interval<'_> {
+        Interval { start: self.interval_start, step: self.step, tracks: &self.tracks }
+    }
+
+    fn close(self) -> (serde_json::Value, Option<Log>) {
+        (serde_json::Value::Null, None)
+    }
 }

@@ -1,24 +1,34 @@
-//! Flying a scenario: the same flock over three transports, and what is kept of a flight.
+//! Flying a scenario: one tick loop over three worlds, and what is kept of a flight.
 
-mod ground;
+mod ground_station;
+mod ground_truth;
 mod lockstep;
 mod log;
 mod memory;
 mod progress;
 mod real_time;
 mod recorder;
-mod truth;
 mod vehicles;
+mod world;
 
-pub use ground::{Ground, GroundError};
-pub use lockstep::fly as fly_in_lockstep;
+pub use ground_station::{FlightError, GroundStation};
+pub use ground_truth::GroundTruth;
+pub use lockstep::Lockstep;
 pub use log::Log;
-pub use memory::fly as fly_in_memory;
+pub use memory::{Memory, fly_in_memory};
 pub use progress::{Progress, progress_over};
-pub use real_time::{Pace, fly as fly_in_real_time};
+pub use real_time::RealTime;
 pub use recorder::{Ended, Recorder};
-pub use truth::{Truth, truth};
 pub use vehicles::{LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, vehicle_settings};
+pub use world::{Interval, World, fly};
 
 /// Lets go of a flight: holds true once someone asks it to end.
 pub type Stop = tokio::sync::watch::Receiver<bool>;
+
+/// Resolves once the flight is asked to end.
+async fn stopped(stop: &mut Stop) {
+    // A sender that is gone can ask for nothing any more.
+    if stop.wait_for(|stop| *stop).await.is_err() {
+        std::future::pending().await
+    }
+}

@@ -1,6 +1,6 @@
 //! What is kept of a flight while it flies, and the summary when it is over.
 
-use super::GroundError;
+use super::{FlightError, Interval};
 use crate::config::Scenario;
 use crate::flight::{Field, Flight, Obstacle, Row, Setting, Summary, Tick, Trajectory, vehicle_number};
 use crate::judge::{COLLISION_DISTANCE_M, Judge, Minima};
@@ -19,11 +19,11 @@ pub enum Ended {
     Failed(String),
 }
 
-impl From<Result<(), GroundError>> for Ended {
-    fn from(flown: Result<(), GroundError>) -> Self {
+impl From<Result<(), FlightError>> for Ended {
+    fn from(flown: Result<(), FlightError>) -> Self {
         match flown {
             Ok(()) => Self::Completed,
-            Err(GroundError::Interrupted) => Self::Interrupted,
+            Err(FlightError::Interrupted) => Self::Interrupted,
             Err(error) => Self::Failed(error.to_string()),
         }
     }
@@ -57,8 +57,8 @@ impl Recorder {
         }
     }
 
-    /// A tick: what the controller saw and decided at `t_s`.
-    pub fn tick(&mut self, t_s: f64, states: &[State], decisions: &[Decision]) {
+    /// A tick: what the controller saw and decided at a flight time.
+    pub fn tick(&mut self, at: Duration, states: &[State], decisions: &[Decision]) {
         let solve_us =
             decisions.iter().map(|d| d.solve.as_secs_f64() * 1e6).sum::<f64>() / decisions.len().max(1) as f64;
         self.solves.extend(decisions.iter().map(|decision| decision.solve));
@@ -68,12 +68,14 @@ impl Recorder {
             alpha: decision.weights,
         });
         let Minima { separation_m, clearance_m } = self.minima;
-        self.trajectory
-            .push(Tick { t_s, min_separation_m: separation_m, min_clearance_m: clearance_m, solve_us }, rows);
+        self.trajectory.push(
+            Tick { t_s: at.as_secs_f64(), min_separation_m: separation_m, min_clearance_m: clearance_m, solve_us },
+            rows,
+        );
     }
 
-    /// The end of a flight: where it left the vehicles, who have no further setpoint.
-    pub fn last(&mut self, t_s: f64, states: &[State]) {
+    /// The end of a flight: where it left the vehicles, which have no further setpoint.
+    pub fn last(&mut self, at: Duration, states: &[State]) {
         let decisions: Vec<Decision> = match self.trajectory.rows.len().checked_sub(states.len()) {
             Some(from) => self.trajectory.rows[from..]
                 .iter()
@@ -82,13 +84,15 @@ impl Recorder {
             None => states.iter().map(|state| Decision { setpoint: state.hold(), ..Decision::default() }).collect(),
         };
         let solves = self.solves.len();
-        self.tick(t_s, states, &decisions);
+        self.tick(at, states, &decisions);
         self.solves.truncate(solves);
     }
 
-    /// How the vehicles really flew since the last tick.
-    pub fn truth(&mut self, start_s: f64, step_s: f64, tracks: &[Vec<State>]) {
-        self.minima = self.judge.interval(start_s, step_s, tracks);
+    /// How the vehicles flew since the last tick; gives the least distances of that interval.
+    pub fn judge(&mut self, interval: Interval<'_>) -> Minima {
+        let Interval { start, step, tracks } = interval;
+        self.minima = self.judge.interval(start.as_secs_f64(), step.as_secs_f64(), tracks);
+        self.minima
     }
 
     /// The flight as it is to be written.

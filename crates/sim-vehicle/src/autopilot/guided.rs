@@ -9,18 +9,8 @@ use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{ALTITUDE_MAX_M, Refusal, angle_rad, check_finite, integer};
-use mavlink_bridge::RawCommand;
-use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag};
-
-/// The frames that an altitude can be in.
-const GLOBAL_FRAMES: [MavFrame; 6] = [
-    MavFrame::MAV_FRAME_GLOBAL,
-    MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
-    MavFrame::MAV_FRAME_GLOBAL_INT,
-    MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
-    MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT,
-    MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
-];
+use mavlink_bridge::AltitudeDatum;
+use mavlink_bridge::dialect::{MavCmd, MavModeFlag};
 
 /// A limit of zero means none.
 fn limit_or_none(limit: f32) -> f64 {
@@ -30,13 +20,13 @@ fn limit_or_none(limit: f32) -> f64 {
 impl Autopilot {
     /// Obeys a command with a value that the common dialect does not know: either the command itself, or, in a command
     /// that is known here, its frame.
-    pub(crate) fn execute_by_number(&mut self, raw: &RawCommand) -> Result<(), Refusal> {
+    pub(crate) fn execute_by_number(&mut self, raw: &mavlink_bridge::Command) -> Result<(), Refusal> {
         const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
         const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
         const DO_SEND_BANNER: u16 = 42_428;
         const BATTERY_RESET: u16 = 42_651;
         let [p1, p2, ..] = raw.params;
-        match raw.command {
+        match raw.number {
             GUIDED_CHANGE_ALTITUDE => {
                 self.check_guided_command("Altitude")?;
                 Err(Refusal::denied("Altitude: unknown frame"))
@@ -128,7 +118,7 @@ impl Autopilot {
     }
 
     /// z: m, above what the frame says. Param 3: rate in m/s, 0 for as fast as it flies.
-    pub(crate) fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: MavFrame) -> Result<(), Refusal> {
+    pub(crate) fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: u8) -> Result<(), Refusal> {
         self.check_guided_command("Altitude")?;
         check_finite("Altitude", &[rate_mps])?;
         let altitude_m = self.guided_altitude_m("Altitude", z, frame)?;
@@ -138,7 +128,7 @@ impl Autopilot {
     }
 
     /// An altitude of a guided command, in m above the origin.
-    pub(crate) fn guided_altitude_m(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+    pub(crate) fn guided_altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, Refusal> {
         check_finite(name, &[z])?;
         if z == 0.0 || z == -1.0 {
             return Err(Refusal::denied(format!("{name}: {z} m is not accepted")));
@@ -147,19 +137,20 @@ impl Autopilot {
     }
 
     /// An altitude that a command gives, in m above the origin: terrain is as high as home.
-    pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+    pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, Refusal> {
         if z.abs() >= ALTITUDE_MAX_M {
             return Err(Refusal::denied(format!("{name}: {z:e} m is no altitude")));
         }
-        match frame {
-            MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => {
-                Ok(f64::from(z) - self.settings.frame.origin().altitude_amsl_m)
-            }
-            MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT
-            | MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
-            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT
-            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => Ok(self.flight.home().altitude_m + f64::from(z)),
-            other => Err(Refusal::denied(format!("{name}: frame {} is not accepted", other as u32))),
+        let datum = AltitudeDatum::of_frame(frame)
+            .ok_or_else(|| Refusal::denied(format!("{name}: frame {frame} is not accepted")))?;
+        Ok(self.above_origin_m(datum, f64::from(z)))
+    }
+
+    /// An altitude above a datum as one above the origin, m: terrain is as high as home.
+    pub(crate) fn above_origin_m(&self, datum: AltitudeDatum, altitude_m: f64) -> f64 {
+        match datum {
+            AltitudeDatum::MeanSeaLevel => altitude_m - self.settings.frame.origin().altitude_amsl_m,
+            AltitudeDatum::Home | AltitudeDatum::Terrain => altitude_m + self.flight.home().altitude_m,
         }
     }
 
@@ -185,8 +176,8 @@ impl Autopilot {
     /// accepted and has no effect, as in ArduPlane.
     pub(crate) fn change_altitude(&mut self, [altitude_m, frame]: [f32; 2]) -> Result<(), Refusal> {
         check_finite("Altitude", &[altitude_m, frame])?;
-        let known = GLOBAL_FRAMES.into_iter().find(|known| *known as i64 == integer(frame));
-        let frame = known.ok_or_else(|| Refusal::denied(format!("Altitude: frame {frame} is not accepted")))?;
+        let number = u8::try_from(integer(frame)).ok().filter(|number| AltitudeDatum::of_frame(*number).is_some());
+        let frame = number.ok_or_else(|| Refusal::denied(format!("Altitude: frame {frame} is not accepted")))?;
         let altitude_m = self.altitude_m("Altitude", altitude_m, frame)?;
         if self.mode().is_manual() {
             return Err(Refusal::denied(format!("Altitude: mode is {}", self.mode())));

@@ -16,20 +16,20 @@ use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavModeFlag, MavResult};
+use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult};
+use mavlink_bridge::{CommandPosition, LatLonE7};
 
 /// A command, whichever message carried it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Command {
     pub command: MavCmd,
     pub params: [f32; 4],
-    /// Latitude and longitude of COMMAND_INT, 1e-7 degrees.
-    pub place_e7: Option<(i32, i32)>,
-    /// Params 5 and 6 of COMMAND_LONG.
-    pub place: [f32; 2],
+    /// Params 5 and 6, latitude and longitude.
+    pub position: CommandPosition,
     /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
     pub z: f32,
-    pub frame: MavFrame,
+    /// MAV_FRAME.
+    pub frame: u8,
 }
 
 /// Why a command is not obeyed.
@@ -45,37 +45,19 @@ pub(crate) struct Refusal {
 /// Altitudes that are no more than that, m either way, can be stored by ArduPilot.
 pub(crate) const ALTITUDE_MAX_M: f32 = 83_000.0;
 
-impl From<&COMMAND_LONG_DATA> for Command {
-    fn from(data: &COMMAND_LONG_DATA) -> Self {
-        Self {
-            command: data.command,
-            params: [data.param1, data.param2, data.param3, data.param4],
-            place_e7: None,
-            place: [data.param5, data.param6],
-            z: data.param7,
-            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
-            frame: match data.command {
-                MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
-                _ => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
-            },
-        }
-    }
-}
-
-impl From<&COMMAND_INT_DATA> for Command {
-    fn from(data: &COMMAND_INT_DATA) -> Self {
-        Self {
-            command: data.command,
-            params: [data.param1, data.param2, data.param3, data.param4],
-            place_e7: Some((data.x, data.y)),
-            place: [0.0; 2],
-            z: data.z,
-            frame: data.frame,
-        }
-    }
-}
-
 impl Command {
+    /// A command as it came; none if the dialect does not know it, or its frame.
+    pub fn read(wire: &mavlink_bridge::Command) -> Option<Self> {
+        let command = wire.mav_cmd()?;
+        let frame = match wire.frame {
+            Some(_) => wire.mav_frame()?,
+            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
+            None if command == MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
+            None => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        };
+        Some(Self { command, params: wire.params, position: wire.position, z: wire.z, frame: frame as u8 })
+    }
+
     /// DO_SET_MODE, for the SET_MODE message that came before it, which has a PX4's main and sub mode in one number. Modes
     /// are exact in an f32 up to 2^24; beyond that there are none.
     pub fn set_mode(personality: Personality, custom: bool, custom_mode: u32) -> Self {
@@ -87,20 +69,22 @@ impl Command {
         Self {
             command: MavCmd::MAV_CMD_DO_SET_MODE,
             params: [f32::from(base_mode), main as f32, sub as f32, 0.0],
-            place_e7: None,
-            place: [0.0; 2],
+            position: CommandPosition::Long([0.0; 2]),
             z: 0.0,
-            frame: MavFrame::MAV_FRAME_GLOBAL,
+            frame: MavFrame::MAV_FRAME_GLOBAL as u8,
         }
     }
-}
 
-impl Command {
-    /// Latitude and longitude, 1e-7 degrees, whichever message carried them. A cast of what is too large takes the bound,
-    /// which is no place, and of what is no number, 0.
-    pub fn position_e7(&self) -> (i32, i32) {
-        let [latitude_e7, longitude_e7] = self.place.map(|degrees| (f64::from(degrees) * 1e7) as i32);
-        self.place_e7.unwrap_or((latitude_e7, longitude_e7))
+    /// Latitude and longitude, whichever message carried them. A cast of what is too large takes the bound, which is no
+    /// place, and of what is no number, 0.
+    pub fn lat_lon(&self) -> LatLonE7 {
+        match self.position {
+            CommandPosition::Int(position) => position,
+            CommandPosition::Long(degrees) => {
+                let [latitude_e7, longitude_e7] = degrees.map(|degrees| (f64::from(degrees) * 1e7) as i32);
+                LatLonE7 { latitude_e7, longitude_e7 }
+            }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The ground station: one socket, the fleet it hears, and the log of both.
 
-use super::{Log, Stop, vehicles::system_id};
+use super::{Log, vehicles::system_id};
 use crate::config::Scenario;
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::telemetry::ground_heartbeat;
@@ -19,14 +19,14 @@ const GUIDED: u32 = 15;
 /// A command that is not answered, or not accepted, is sent again after this.
 const RETRY: Duration = Duration::from_millis(250);
 
-/// Why the ground cannot fly.
+/// Why a flight cannot go on.
 #[derive(Debug, thiserror::Error)]
-pub enum GroundError {
+pub enum FlightError {
     /// The socket.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// Vehicles that say nothing.
-    #[error("{} said nothing for {} s", name(.missing), .waited.as_secs())]
+    /// Vehicles without telemetry.
+    #[error("no telemetry from {} for {} s", name(.missing), .waited.as_secs())]
     Silent {
         /// Their indices.
         missing: Vec<usize>,
@@ -43,13 +43,21 @@ pub enum GroundError {
         /// Its answer.
         result: String,
     },
+    /// A vehicle that refuses a setpoint.
+    #[error("vehicle {} refuses its setpoint: {reason}", .vehicle + 1)]
+    Setpoint {
+        /// Its index.
+        vehicle: usize,
+        /// Its answer.
+        reason: String,
+    },
     /// Someone asked for the end.
     #[error("interrupted")]
     Interrupted,
 }
 
 /// The ground's end of the link.
-pub struct Ground {
+pub struct GroundStation {
     link: UdpLink,
     encoder: Encoder,
     fleet: Fleet,
@@ -62,7 +70,7 @@ pub struct Ground {
     written: Vec<u8>,
 }
 
-impl Ground {
+impl GroundStation {
     /// Binds `address`; vehicles are recognised by the addresses given, or else by system id alone.
     pub fn bind(scenario: &Scenario, address: SocketAddr) -> Result<Self, LinkError> {
         let impairment = scenario.link.impairment;
@@ -150,49 +158,58 @@ impl Ground {
     }
 
     /// Waits until every vehicle has said where it is, then sees to it that all are armed and in GUIDED.
-    pub async fn make_ready(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
-        self.muster(patience, at_us, stop).await?;
-        self.engage(patience, at_us, stop).await
+    ///
+    /// # Errors
+    /// A vehicle is silent or refuses a command for longer than `patience`.
+    pub async fn make_ready(&mut self, patience: Duration, at_us: u64) -> Result<(), FlightError> {
+        self.muster(patience, at_us).await?;
+        self.engage(patience, at_us).await
     }
 
     /// Waits until every vehicle has said where it is. Those that are silent and whose address is known are spoken to: a
     /// vehicle answers who speaks to it, though it may have been told of no ground station.
-    async fn muster(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
+    async fn muster(&mut self, patience: Duration, at_us: u64) -> Result<(), FlightError> {
         let deadline = Instant::now() + patience;
         let mut news = Vec::new();
         let mut call = tokio::time::interval_at(Instant::now() + RETRY, RETRY);
+        let mut known = usize::MAX;
         loop {
             let silent = |ground: &Self| -> Vec<usize> {
                 let crafts = ground.fleet.crafts().iter().enumerate();
                 crafts.filter(|(_, craft)| craft.position.is_none()).map(|(index, _)| index).collect()
             };
-            if silent(self).is_empty() {
+            let missing = silent(self);
+            if missing.len() != known {
+                known = missing.len();
+                let vehicles = self.fleet.crafts().len();
+                tracing::debug!(heard = vehicles - known, vehicles, "waiting for every vehicle's position");
+            }
+            if missing.is_empty() {
                 return Ok(());
             }
             tokio::select! {
-                () = stopped(stop) => return Err(GroundError::Interrupted),
                 received = self.recv(at_us, &mut news) => received?,
                 _ = call.tick() => for vehicle in silent(self) {
                     self.send(vehicle, &[ground_heartbeat()], at_us).await;
                 },
                 () = tokio::time::sleep_until(deadline) => {
-                    return Err(GroundError::Silent { missing: silent(self), waited: patience });
+                    return Err(FlightError::Silent { missing: silent(self), waited: patience });
                 }
             }
         }
     }
 
     /// Brings every vehicle into GUIDED and arms it, unless its heartbeat says that it is so already.
-    async fn engage(&mut self, patience: Duration, at_us: u64, stop: &mut Stop) -> Result<(), GroundError> {
+    async fn engage(&mut self, patience: Duration, at_us: u64) -> Result<(), FlightError> {
         let guided = command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, GUIDED as f32);
         let arm = command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 0.0);
         for vehicle in 0..self.fleet.crafts().len() {
             let craft = &self.fleet.crafts()[vehicle];
             if craft.custom_mode != Some(GUIDED) {
-                self.insist(vehicle, "GUIDED", guided.clone(), patience, at_us, stop).await?;
+                self.insist(vehicle, "GUIDED", guided.clone(), patience, at_us).await?;
             }
             if !self.fleet.crafts()[vehicle].armed {
-                self.insist(vehicle, "arming", arm.clone(), patience, at_us, stop).await?;
+                self.insist(vehicle, "arming", arm.clone(), patience, at_us).await?;
             }
         }
         Ok(())
@@ -206,8 +223,7 @@ impl Ground {
         mut command: COMMAND_LONG_DATA,
         patience: Duration,
         at_us: u64,
-        stop: &mut Stop,
-    ) -> Result<(), GroundError> {
+    ) -> Result<(), FlightError> {
         let Target { system_id, component_id } = self.target(vehicle);
         (command.target_system, command.target_component) = (system_id, component_id);
         let wanted = command.command;
@@ -215,35 +231,32 @@ impl Ground {
         let mut news = Vec::new();
         let mut answer = "no answer".to_owned();
         while Instant::now() < deadline {
+            tracing::debug!(vehicle = vehicle + 1, command = name, attempt = command.confirmation + 1, "command sent");
             self.send(vehicle, &[Message::COMMAND_LONG(command.clone())], at_us).await;
             command.confirmation = command.confirmation.saturating_add(1);
             let retry = Instant::now() + RETRY;
             while Instant::now() < retry {
-                tokio::select! {
-                    () = stopped(stop) => return Err(GroundError::Interrupted),
-                    received = timeout(RETRY, self.recv(at_us, &mut news)) => if let Ok(received) = received { received? },
+                if let Ok(received) = timeout(RETRY, self.recv(at_us, &mut news)).await {
+                    received?;
                 }
                 match &self.fleet.crafts()[vehicle].last_ack {
-                    Some(ack) if ack.command == wanted && ack.result == MavResult::MAV_RESULT_ACCEPTED => return Ok(()),
+                    Some(ack) if ack.command == wanted && ack.result == MavResult::MAV_RESULT_ACCEPTED => {
+                        tracing::debug!(vehicle = vehicle + 1, command = name, "accepted");
+                        return Ok(());
+                    }
                     Some(ack) if ack.command == wanted => answer = format!("{:?}", ack.result),
                     _ => {}
                 }
             }
         }
-        Err(GroundError::Refused { vehicle, command: name, result: answer })
+        Err(FlightError::Refused { vehicle, command: name, result: answer })
     }
 
-    /// What the link saw, and the log.
-    pub fn close(self) -> (Counters, Log) {
-        (self.link.counters() + self.counters, self.log)
-    }
-}
-
-/// Resolves once the flight is asked to end.
-pub async fn stopped(stop: &mut Stop) {
-    // A sender that is gone can ask for nothing any more.
-    if stop.wait_for(|stop| *stop).await.is_err() {
-        std::future::pending().await
+    /// The counters of the link as JSON, and the log.
+    pub fn close(self) -> (serde_json::Value, Option<Log>) {
+        let counters = serde_json::to_value(self.link.counters() + self.counters);
+        // Numbers by name cannot fail to be written.
+        (counters.unwrap_or_default(), Some(self.log))
     }
 }
 

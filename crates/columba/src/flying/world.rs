@@ -1,0 +1,126 @@
+//! The tick loop, written once: a flock sees, decides and commands, in whatever world it flies.
+//!
+//! A [`World`] holds the vehicles and the clock: in memory, over a link in simulated time, or over a link in real time.
+
+use super::{FlightError, Log, Progress, Recorder, Stop, stopped};
+use crate::config::Scenario;
+use crate::flight::Flight;
+use controller::{Decision, Flock};
+use flight_model::State;
+use std::time::{Duration, Instant};
+
+/// Vehicles that can be seen and commanded, and their clock.
+///
+/// [`fly`] calls `prepare` once; then, for each control period, `send` and `advance`; then `close`. It drops the future of
+/// `prepare`, `send` or `advance` when the flight is interrupted, and calls only `states`, `now` and `close` after that.
+pub trait World {
+    /// The name of this kind of world in `summary.json`.
+    fn transport(&self) -> &'static str;
+
+    /// Waits until every vehicle can be seen and follows setpoints. Time zero of the flight is when this returns.
+    ///
+    /// # Errors
+    /// A vehicle is missing or cannot be commanded.
+    fn prepare(&mut self) -> impl Future<Output = Result<(), FlightError>>;
+
+    /// Flight time of [`states`](Self::states).
+    fn now(&self) -> Duration;
+
+    /// The states of all vehicles as the controller knows them; the planned starts before the first are known.
+    fn states(&self) -> &[State];
+
+    /// The states at time zero by which the flight is judged: those that the controller knows, unless better ones exist.
+    fn starts(&self) -> Vec<State> {
+        self.states().to_vec()
+    }
+
+    /// Sends each vehicle its setpoint.
+    ///
+    /// # Errors
+    /// A vehicle or its link cannot take the setpoint.
+    fn send(&mut self, decisions: &[Decision]) -> impl Future<Output = Result<(), FlightError>>;
+
+    /// Lets the vehicles fly until a flight time; [`now`](Self::now) and [`states`](Self::states) are those of then.
+    ///
+    /// # Errors
+    /// A vehicle or its link is lost.
+    fn advance(&mut self, until: Duration) -> impl Future<Output = Result<(), FlightError>>;
+
+    /// How the vehicles flew since this was last asked, or since time zero.
+    fn ground_truth(&mut self) -> Interval<'_>;
+
+    /// Ends the flight: the counters of the link as JSON (`null` without a link), and the log of the link, if any.
+    fn close(self) -> (serde_json::Value, Option<Log>);
+}
+
+/// A stretch of the flights of all vehicles, side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Interval<'a> {
+    /// Flight time at which the interval begins.
+    pub start: Duration,
+    /// Time between two states.
+    pub step: Duration,
+    /// The states of each vehicle after each step; all tracks are equally long.
+    pub tracks: &'a [Vec<State>],
+}
+
+/// Flies a scenario from beginning to end, or until `stop`. A flight that fails is recorded as far as it went.
+///
+/// # Errors
+/// The settings of the optimiser are out of their range, or the counters cannot be written as JSON.
+pub async fn fly<W: World>(
+    scenario: &Scenario,
+    mut world: W,
+    progress: &Progress,
+    mut stop: Stop,
+) -> anyhow::Result<(Flight, Option<Log>)> {
+    let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
+    let prepared = unless_stopped(&mut stop, world.prepare()).await;
+    tracing::debug!(
+        transport = world.transport(),
+        vehicles = world.states().len(),
+        ready = prepared.is_ok(),
+        "prepared"
+    );
+    let mut recorder = Recorder::new(scenario, &world.starts());
+    let started = Instant::now();
+    let clock = move || started.elapsed();
+    let flown = async {
+        prepared?;
+        for tick in 0..scenario.ticks() {
+            let decisions = flock.tick(tick, world.states(), &clock);
+            recorder.tick(world.now(), world.states(), decisions);
+            unless_stopped(&mut stop, world.send(decisions)).await?;
+            let until = scenario.control_period * u32::try_from(tick + 1).unwrap_or(u32::MAX);
+            unless_stopped(&mut stop, world.advance(until)).await?;
+            let minima = recorder.judge(world.ground_truth());
+            tracing::debug!(
+                tick,
+                t_s = world.now().as_secs_f64(),
+                separation_m = minima.separation_m,
+                clearance_m = minima.clearance_m,
+                "tick"
+            );
+            progress.flown(tick + 1);
+        }
+        Ok(())
+    };
+    let flown = flown.await;
+    recorder.last(world.now(), world.states());
+    let transport = world.transport();
+    let (counters, log) = world.close();
+    tracing::debug!(%counters, "closed");
+    Ok((recorder.finish(scenario, transport, flown.into(), counters), log))
+}
+
+/// The result of `work`, unless the flight is interrupted first.
+async fn unless_stopped(
+    stop: &mut Stop,
+    work: impl Future<Output = Result<(), FlightError>>,
+) -> Result<(), FlightError> {
+    tokio::select! {
+        biased;
+        () = stopped(stop) => Err(FlightError::Interrupted),
+        done = work => done,
+    }
+}
