@@ -247,9 +247,12 @@ pub struct CompareArgs {
     /// Seed of the flights that are drawn; by default the first.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub figure_seed: Option<u64>,
-    /// Folder of the comparison, made where it is missing; by default compare/ and the scenarios' names.
+    /// Folder of the comparison: new, empty, or one that is continued; by default compare/ and the scenarios' names.
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty and that no comparison has written: replaces files of the same names.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `columba check`.
@@ -281,9 +284,12 @@ pub struct SuitesArgs {
     /// Variables of each problem, 3 to 1000; by default as is customary: ZDT1-3 30, ZDT4 and 6 10, DTLZ1 7, DTLZ2 12.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = dimensions)]
     pub dimensions: Option<usize>,
-    /// Folder for the results, made where it is missing.
-    #[arg(long, short, value_name = "FOLDER", default_value = "runs/suites")]
-    pub out: PathBuf,
+    /// Folder for the results, new or empty; by default runs/suites, with a number where that is not empty.
+    #[arg(long, short, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty: replaces the files of earlier results, keeps all others.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// What `run` and `fly` change of a file.
@@ -301,9 +307,12 @@ pub struct FlightArgs {
     /// Flight time in seconds, at least one control period; the last period is flown whole.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
     pub duration: Option<f64>,
-    /// Folder of the run, made where it is missing; by default runs/ and the scenario's name.
+    /// Folder of the run, new or empty; by default runs/ and the scenario's name, with a number where that is not empty.
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty: replaces the files of an earlier run, keeps all others.
+    #[arg(long)]
+    pub force: bool,
     /// UDP port of the controller; 0: any free one. By default 14550 for fly, any free one for run.
     #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub ground_port: Option<u16>,
