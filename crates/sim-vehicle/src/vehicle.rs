@@ -14,7 +14,7 @@ use crate::protocol::mission::Uploads;
 use crate::protocol::parameter::{Listings, Pace};
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
 use flight_model::{Setpoint, State};
-use mavlink_bridge::{Counters, Incoming, SetpointRefusal, incoming};
+use mavlink_bridge::{Counters, Incoming, SetpointError, incoming};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -62,7 +62,7 @@ pub enum SetpointRefused {
     NotGuided(Mode),
     /// The setpoint itself cannot be flown.
     #[error(transparent)]
-    Setpoint(#[from] SetpointRefusal),
+    Setpoint(#[from] SetpointError),
 }
 
 impl Vehicle {

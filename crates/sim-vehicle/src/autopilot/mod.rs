@@ -31,7 +31,7 @@ use crate::settings::VehicleSettings;
 use crate::vehicle::SetpointRefused;
 use crate::world::World;
 use flight_model::{Setpoint, State};
-use mavlink_bridge::SetpointRefusal;
+use mavlink_bridge::SetpointError;
 use std::time::Duration;
 
 /// One autopilot in its aircraft and its world. It knows vehicle time alone.
@@ -199,7 +199,7 @@ impl Autopilot {
     pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointRefused> {
         self.check_guided()?;
         if !setpoint.is_finite() {
-            return Err(SetpointRefusal::NotFinite.into());
+            return Err(SetpointError::NotFinite.into());
         }
         self.flight.set_ground_speed(setpoint.speed_mps);
         self.flight.set_course(setpoint.course_rad, f64::INFINITY);
