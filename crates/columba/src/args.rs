@@ -47,6 +47,7 @@ Examples:
                                            two hundred behind one port, told apart by their system ids
   columba vehicles --swarm swarminit.txt   starts as ArduPilot's sim_vehicle.py --swarm reads them
   columba vehicles --param WP_LOITER_RAD=80 --param FS_GCS_ENABL=1
+  columba vehicles --defaults plane.parm   with the parameters of a real autopilot, as it or a ground station saved them
 
 A vehicle answers whoever speaks to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends it.";
 
@@ -163,6 +164,10 @@ pub struct VehiclesArgs {
     /// with --count only the first so many.
     #[arg(long, value_name = "FILE")]
     pub swarm: Option<PathBuf>,
+    /// Parameter file of ArduPilot, PX4 or a ground station: the vehicles start with its values. Parameters that they do not
+    /// use are there for clients all the same. May be given several times; the last value of a name counts.
+    #[arg(long, value_name = "FILE")]
+    pub defaults: Vec<PathBuf>,
     /// Sets a parameter of every vehicle at the start, as WP_LOITER_RAD=80; may be given several times.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = parameter)]
     pub parameters: Vec<(String, f64)>,

@@ -9,7 +9,6 @@ use crate::links::PeerId;
 use crate::links::Transmit;
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
-use crate::parameters::ParameterRefused;
 use crate::protocol::mission::Uploads;
 use crate::protocol::parameter::{Listings, Pace};
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
@@ -81,8 +80,6 @@ impl Vehicle {
     }
 
     fn start(mut settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
-        let defaults = std::mem::take(&mut settings.default_parameters);
-        let kept = std::mem::take(&mut settings.parameters);
         let plans = std::mem::take(&mut settings.plans);
         let mut vehicle = Self {
             raw_links: Links::new(&settings),
@@ -99,25 +96,12 @@ impl Vehicle {
             plan_totals: Default::default(),
             wire: Counters::default(),
         };
-        vehicle.take_parameters(defaults)?;
-        vehicle.autopilot.parameters.make_defaults();
-        vehicle.take_parameters(kept)?;
+        vehicle.start_parameters()?;
         vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
         vehicle.autopilot.start();
         (0..vehicle.raw_links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
-    }
-
-    fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
-        for (name, value) in values {
-            let taken = match self.autopilot.parameters.named(&name) {
-                Some(known) => self.set_parameter(known, value),
-                None => Err(ParameterRefused::Unknown(name.clone())),
-            };
-            taken.map_err(|refused| SettingsError::Parameter { name, reason: refused.to_string() })?;
-        }
-        Ok(())
     }
 
     /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
@@ -242,8 +226,13 @@ impl Vehicle {
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
-    pub fn set_parameters(&self) -> impl Iterator<Item = (&'static str, f32)> {
+    pub fn set_parameters(&self) -> impl Iterator<Item = (&str, f64)> {
         self.autopilot.parameters.kept()
+    }
+
+    /// Names of the parameters that come from a parameter file and change nothing: clients list, read and set them.
+    pub fn inert_parameters(&self) -> impl Iterator<Item = &str> {
+        self.autopilot.parameters.inert_names()
     }
 
     /// Whether a parameter has been set since this was last asked.

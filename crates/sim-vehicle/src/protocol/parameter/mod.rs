@@ -8,7 +8,7 @@ pub(crate) use pace::Pace;
 use crate::error::Severity;
 use crate::firmware::Personality;
 use crate::links::PeerId;
-use crate::parameters::{Effect, Parameter, ParameterRefused};
+use crate::parameters::{Effect, Listed, Parameter, ParameterRefused};
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{MavParamError, MavParamType, Message};
@@ -51,8 +51,8 @@ impl Vehicle {
             ParameterRequest::ReadIndex(index) => {
                 // Only who completes a list asks by index.
                 self.links().slow_down(link);
-                match usize::try_from(*index).ok().and_then(|i| self.autopilot.parameters.list().get(i)) {
-                    Some(&parameter) => self.send_parameter(link, parameter, u16::try_from(*index).ok()),
+                match usize::try_from(*index).ok().and_then(|i| self.autopilot.parameters.at(i)) {
+                    Some(listed) => self.send_parameter(link, listed, u16::try_from(*index).ok()),
                     None => {
                         let reason = format!("No parameter of index {index}");
                         self.refuse_parameter(
@@ -69,22 +69,17 @@ impl Vehicle {
             ParameterRequest::ReadName(name)
                 if name == hash::NAME && self.autopilot.settings.personality == Personality::Px4 =>
             {
-                let (hash, count) = (
-                    f32::from_bits(hash::of(&self.autopilot.parameters)),
-                    self.autopilot.parameters.list().len() as u16,
-                );
+                let (hash, count) =
+                    (f32::from_bits(hash::of(&self.autopilot.parameters)), self.autopilot.parameters.count() as u16);
                 let value = parameter_value(hash::NAME, MavParamType::MAV_PARAM_TYPE_UINT32, hash, count, None);
                 self.links().send(link, &value);
             }
-            ParameterRequest::ReadName(name) => match self.autopilot.parameters.named(name) {
-                Some(parameter) => self.send_parameter(link, parameter, None),
+            ParameterRequest::ReadName(name) => match self.autopilot.parameters.find(name) {
+                Some(listed) => self.send_parameter(link, listed, None),
                 None => self.refuse_unknown(link, sender, name),
             },
-            ParameterRequest::Set { name, value, kind } => match self.autopilot.parameters.named(name) {
-                Some(parameter) => {
-                    let value = self.autopilot.parameters.read_wire(parameter, *value, *kind);
-                    self.write_parameter(link, sender, parameter, value);
-                }
+            ParameterRequest::Set { name, value, kind } => match self.autopilot.parameters.find(name) {
+                Some(listed) => self.write_parameter(link, sender, listed, *value, *kind),
                 None => self.refuse_unknown(link, sender, name),
             },
         }
@@ -96,14 +91,16 @@ impl Vehicle {
         listings.0.retain_mut(|listing| {
             let Some(link) = self.peers().of_peer(listing.peer) else { return false };
             self.links().slow_down(link);
-            while listing.due <= self.host_now && listing.next < self.autopilot.parameters.list().len() {
-                for index in (listing.next..self.autopilot.parameters.list().len()).take(PARAMETERS_AT_ONCE) {
-                    self.send_parameter(link, self.autopilot.parameters.list()[index], u16::try_from(index).ok());
+            while listing.due <= self.host_now && listing.next < self.autopilot.parameters.count() {
+                for index in listing.next..listing.next + PARAMETERS_AT_ONCE {
+                    if let Some(listed) = self.autopilot.parameters.at(index) {
+                        self.send_parameter(link, listed, u16::try_from(index).ok());
+                    }
                 }
                 listing.next += PARAMETERS_AT_ONCE;
                 listing.due = self.pace.reserve(listing.peer, self.host_now);
             }
-            listing.next < self.autopilot.parameters.list().len()
+            listing.next < self.autopilot.parameters.count()
         });
         self.listings = listings;
     }
@@ -128,21 +125,26 @@ impl Vehicle {
         Ok(())
     }
 
-    fn write_parameter(
-        &mut self,
-        link: usize,
-        sender: Target,
-        parameter: Parameter,
-        value: Result<f32, ParameterRefused>,
-    ) {
+    fn write_parameter(&mut self, link: usize, sender: Target, listed: Listed, value: f32, kind: u8) {
         // Everybody hears of a change, from the system that they know.
         let before = self.autopilot.settings.system_id;
-        let value = value.and_then(|value| self.check_system_id(parameter, value));
-        match value.and_then(|value| self.set_parameter(parameter, value)) {
+        let taken = match listed {
+            Listed::Acting(parameter) => {
+                let value = self.autopilot.parameters.read_wire(parameter, value, kind);
+                let value = value.and_then(|value| self.check_system_id(parameter, value));
+                value.and_then(|value| self.set_parameter(parameter, value))
+            }
+            Listed::Inert(index) => {
+                self.parameters_changed = true;
+                self.autopilot.parameters.write_inert(index, value, kind)
+            }
+        };
+        match taken {
             Ok(()) => {
                 let after = self.autopilot.settings.system_id;
                 self.links().set_system_id(before);
-                self.tell_parameter(parameter);
+                let message = self.parameter_message(listed, None);
+                self.links().send_all(&message);
                 self.links().set_system_id(after);
             }
             Err(refused) => {
@@ -151,9 +153,9 @@ impl Vehicle {
                     ParameterRefused::Type(_) => MavParamError::MAV_PARAM_ERROR_TYPE_MISMATCH,
                     _ => MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
                 };
-                let name = self.autopilot.parameters.name(parameter);
-                self.refuse_parameter(link, sender, name, -1, error, &refused.to_string());
-                self.send_parameter(link, parameter, None);
+                let name = self.autopilot.parameters.on_wire(listed, |_| 0.0).0.to_owned();
+                self.refuse_parameter(link, sender, &name, -1, error, &refused.to_string());
+                self.send_parameter(link, listed, None);
             }
         }
     }
@@ -176,21 +178,21 @@ impl Vehicle {
         self.links().set_default_rates(&rates, streams, time);
     }
 
-    fn send_parameter(&mut self, link: usize, parameter: Parameter, index: Option<u16>) {
-        let message = self.parameter_message(parameter, index);
+    fn send_parameter(&mut self, link: usize, listed: Listed, index: Option<u16>) {
+        let message = self.parameter_message(listed, index);
         self.links().send(link, &message);
     }
 
     /// Tells everybody what it is.
     pub(crate) fn tell_parameter(&mut self, parameter: Parameter) {
-        let message = self.parameter_message(parameter, None);
+        let message = self.parameter_message(Listed::Acting(parameter), None);
         self.links().send_all(&message);
     }
 
-    fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
-        let value = self.autopilot.parameters.to_wire(parameter, self.autopilot.parameter_value(parameter));
-        let (name, kind) = (self.autopilot.parameters.name(parameter), self.autopilot.parameters.kind(parameter));
-        parameter_value(name, kind, value, self.autopilot.parameters.list().len() as u16, index)
+    fn parameter_message(&self, listed: Listed, index: Option<u16>) -> Message {
+        let (name, kind, value) =
+            self.autopilot.parameters.on_wire(listed, |acting| self.autopilot.parameter_value(acting));
+        parameter_value(name, kind, value, self.autopilot.parameters.count() as u16, index)
     }
 
     fn refuse_unknown(&mut self, link: usize, sender: Target, name: &str) {
