@@ -43,11 +43,11 @@ fn a_run_writes_what_it_promises_and_nothing_else() {
     let said = room.columba(&["run", "small.toml"]).with(0);
     assert!(said.err.is_empty(), "{said:?}");
     assert!(
-        said.out.contains("small: 1 UAVs, 1 obstacles, 2.0 s flown") && said.out.contains("runs/small/report.html"),
+        said.out.contains("small: 1 UAV, 1 obstacle, 2.0 s flown") && said.out.contains("runs/small/report.html"),
         "{said:?}"
     );
     assert!(!said.out.contains('\u{1b}') && !said.out.contains('\r'), "no terminal, no escapes: {said:?}");
-    let figures = ["alphas", "altitudes", "courses", "distances", "paths", "speeds"];
+    let figures = ["alphas", "altitudes", "bank", "courses", "distances", "paths", "speeds"];
     let mut files: Vec<String> = figures
         .iter()
         .flat_map(|name| ["png", "svg"].map(|kind| format!("runs/small/figures/{name}.{kind}")))

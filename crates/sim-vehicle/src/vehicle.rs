@@ -1,20 +1,19 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
+#[cfg(test)]
 use crate::autopilot::Autopilot;
 use crate::autopilot::plan::PlanKind;
 use crate::counters::VehicleCounters;
-use crate::host::system_ids::SystemIds;
-use crate::links::Links;
-use crate::links::PeerId;
-use crate::links::Transmit;
+use crate::error::SetpointError;
+use crate::links::{Links, PeerId, Transmit};
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
-use crate::protocol::mission::Uploads;
-use crate::protocol::parameter::{Listings, Pace};
+use crate::protocol::Services;
+use crate::protocol::parameter::ParameterService;
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
+use crate::telemetry::announce::Component;
 use flight_model::{Setpoint, State};
-use mavlink_bridge::{Counters, Incoming, SetpointError, incoming};
-use std::sync::Arc;
+use mavlink_bridge::{Counters, Incoming, PlanItem, incoming};
 use std::time::Duration;
 
 /// One simulated autopilot that speaks MAVLink as ArduPlane does.
@@ -36,32 +35,10 @@ use std::time::Duration;
 /// ```
 #[derive(Debug)]
 pub struct Vehicle {
-    pub(crate) autopilot: Autopilot,
-    /// By [`links`](Self::links): what is not yet told goes first.
-    pub(crate) raw_links: Links,
-    pub(crate) lockstep: Option<Lockstep>,
-    pub(crate) host_now: Duration,
-    pub(crate) parameters_changed: bool,
-    pub(crate) listings: Listings,
-    pub(crate) pace: Arc<Pace>,
-    /// The system ids behind its port, and its place among them.
-    pub(crate) ids: Arc<SystemIds>,
-    pub(crate) place: usize,
-    pub(crate) uploads: Uploads,
-    pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
-    pub(crate) plan_totals: [f32; PlanKind::ALL.len()],
+    component: Component,
+    services: Services,
+    lockstep: Option<Lockstep>,
     wire: Counters,
-}
-
-/// Why a setpoint is not flown.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SetpointRefused {
-    /// The vehicle follows setpoints only in GUIDED.
-    #[error("mode is {0}")]
-    NotGuided(Mode),
-    /// The setpoint itself cannot be flown.
-    #[error(transparent)]
-    Setpoint(#[from] SetpointError),
 }
 
 impl Vehicle {
@@ -82,36 +59,22 @@ impl Vehicle {
     fn start(mut settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
         let plans = std::mem::take(&mut settings.plans);
         let mut vehicle = Self {
-            raw_links: Links::new(&settings),
-            autopilot: Autopilot::new(settings, lockstep.is_some()),
+            component: Component::new(settings, lockstep.is_some()),
+            services: Services::default(),
             lockstep,
-            host_now: Duration::ZERO,
-            parameters_changed: false,
-            listings: Listings::default(),
-            pace: Arc::default(),
-            ids: Arc::default(),
-            place: 0,
-            uploads: Uploads::default(),
-            plans_changed: Default::default(),
-            plan_totals: Default::default(),
             wire: Counters::default(),
         };
-        vehicle.start_parameters()?;
-        vehicle.restore_plans(plans)?;
-        vehicle.parameters_changed = false;
-        vehicle.autopilot.start();
-        (0..vehicle.raw_links.len()).for_each(|link| vehicle.announce(link));
+        vehicle.services.parameters.start(&mut vehicle.component)?;
+        vehicle.services.missions.restore(&mut vehicle.component, plans)?;
+        vehicle.services.parameters.take_changed();
+        vehicle.component.autopilot.start();
+        (0..vehicle.component.peers().len()).for_each(|link| vehicle.component.announce(link));
         Ok(vehicle)
     }
 
-    /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
-    pub(crate) fn keep_pace(&mut self, pace: Arc<Pace>) {
-        self.pace = pace;
-    }
-
-    /// Tells a vehicle whom it shares a port with.
-    pub(crate) fn share_port(&mut self, ids: Arc<SystemIds>, place: usize) {
-        (self.ids, self.place) = (ids, place);
+    /// What vehicles share that have peers or a port in common.
+    pub(crate) fn parameter_service(&mut self) -> &mut ParameterService {
+        &mut self.services.parameters
     }
 
     /// Takes a datagram that came from a peer at host time `now`. What cannot be read is counted and has no effect.
@@ -125,25 +88,25 @@ impl Vehicle {
 
     /// Takes one frame, decoded already; for hosts that serve many vehicles on one port.
     pub fn handle_incoming(&mut self, now: Duration, incoming: &Incoming, from: PeerId) {
-        self.note_host_time(now);
-        let ours = [0, self.autopilot.settings.system_id].contains(&incoming.target.system_id);
+        self.component.note_host_time(now);
+        let ours = [0, self.component.settings.system_id].contains(&incoming.target.system_id);
         // A companion computer has our system id and a component id of its own: it is heard.
-        let from_ourselves = incoming.header.system_id == self.autopilot.settings.system_id
-            && incoming.header.component_id == self.autopilot.settings.component_id;
+        let from_ourselves = incoming.header.system_id == self.component.settings.system_id
+            && incoming.header.component_id == self.component.settings.component_id;
         if !ours || from_ourselves {
-            self.autopilot.counters.frames_for_others += 1;
+            self.component.counters.frames_for_others += 1;
             return;
         }
-        let (link, is_new) = self.raw_links.hear(from, incoming.header.version, self.host_now, self.autopilot.time);
+        let (link, is_new) = self.component.hear(from, incoming.header.version);
         if is_new {
-            self.announce(link);
+            self.component.announce(link);
         }
-        self.serve(link, incoming);
+        self.services.serve(&mut self.component, self.lockstep.as_mut(), link, incoming);
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.
-    pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointRefused> {
-        self.autopilot.command(setpoint)
+    pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointError> {
+        self.component.autopilot.command(setpoint)
     }
 
     /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to `track`.
@@ -154,100 +117,115 @@ impl Vehicle {
             self.integrate(until, track);
             return;
         };
-        let Some(tick_end) = lockstep.released_until(self.autopilot.time).filter(|tick_end| *tick_end <= until) else {
+        let Some(tick_end) =
+            lockstep.released_until(self.component.autopilot.time()).filter(|tick_end| *tick_end <= until)
+        else {
             return;
         };
-        self.links().begin_batch(None);
-        self.integrate(tick_end.saturating_sub(self.autopilot.settings.step), track);
+        self.component.links().begin_batch(None);
+        self.integrate(tick_end.saturating_sub(self.component.settings.step), track);
         self.step_to(tick_end, track);
-        self.with_instruments(Links::send_due_and_position);
-        self.links().end_batch();
+        self.component.with_instruments(Links::send_due_and_position);
+        self.component.links().end_batch();
         if let Some(lockstep) = &mut self.lockstep {
-            lockstep.wait_from(self.host_now);
+            lockstep.wait_from(self.component.host_now);
         }
     }
 
     /// In lockstep, the vehicle time to which the setpoint in hand lets it fly; none while it waits for one, and none in
     /// real time.
     pub fn released_until(&self) -> Option<Duration> {
-        self.lockstep.as_ref()?.released_until(self.autopilot.time)
+        self.lockstep.as_ref()?.released_until(self.component.autopilot.time())
     }
 
     /// The host time at which [`handle_timeout`](Self::handle_timeout) wants to be called, if any.
     pub fn poll_timeout(&self) -> Option<Duration> {
-        if self.raw_links.is_empty() {
+        if self.component.peers().is_empty() {
             return None;
         }
         let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
-        [resend_at, self.listings.next_due(), self.uploads.due()].into_iter().flatten().min()
+        [resend_at, self.services.parameters.next_due(), self.services.missions.next_due()].into_iter().flatten().min()
     }
 
     /// Tells the vehicle the host time: it forgets silent peers, goes on with lists and uploads, and in lockstep asks
     /// again if it waits for too long.
     pub fn handle_timeout(&mut self, now: Duration) {
-        self.note_host_time(now);
+        self.component.note_host_time(now);
         if self.lockstep.as_mut().is_some_and(|lockstep| lockstep.take_resend(now)) {
-            self.links().resend_batch();
-            self.autopilot.counters.resends += 1;
+            self.component.links().resend_batch();
+            self.component.counters.resends += 1;
         }
-        self.send_listings();
-        self.check_uploads();
+        self.services.parameters.send_listings(&mut self.component);
+        self.services.missions.check_uploads(&mut self.component);
     }
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
     pub fn poll_transmit(&mut self) -> Option<Transmit> {
-        self.links().poll()
+        self.component.links().poll()
     }
 
     /// Where it is.
     pub fn state(&self) -> &State {
-        self.autopilot.flight.state()
+        self.component.autopilot.flight.state()
     }
 
     /// Vehicle time.
     pub fn time(&self) -> Duration {
-        self.autopilot.time
+        self.component.autopilot.time()
     }
 
     /// Its flight mode.
     pub fn mode(&self) -> Mode {
-        self.autopilot.flight.mode()
+        self.component.autopilot.flight.mode()
     }
 
     /// Whether it is armed.
     pub fn is_armed(&self) -> bool {
-        self.autopilot.flight.is_armed()
+        self.component.autopilot.flight.is_armed()
     }
 
     /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
     /// station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
-        self.autopilot.is_in_failsafe()
+        self.component.autopilot.is_in_failsafe()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
     pub fn set_parameters(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.autopilot.parameters.kept()
+        self.component.autopilot.parameters.kept()
     }
 
     /// Names of the parameters that come from a parameter file and change nothing: clients list, read and set them.
     pub fn inert_parameters(&self) -> impl Iterator<Item = &str> {
-        self.autopilot.parameters.inert_names()
+        self.component.autopilot.parameters.inert_names()
     }
 
     /// Whether a parameter has been set since this was last asked.
     pub fn take_parameters_changed(&mut self) -> bool {
-        std::mem::take(&mut self.parameters_changed)
+        self.services.parameters.take_changed()
+    }
+
+    /// The plans that have been changed since this was last asked, to be kept.
+    pub(crate) fn take_changed_plans(&mut self) -> Vec<PlanKind> {
+        self.services.missions.take_changed()
+    }
+
+    /// The items of a plan.
+    pub(crate) fn plan(&self, kind: PlanKind) -> &[PlanItem] {
+        self.component.autopilot.plan(kind)
     }
 
     /// Its settings.
     pub fn settings(&self) -> &VehicleSettings {
-        &self.autopilot.settings
+        &self.component.settings
     }
 
     /// What it has done so far.
     pub fn counters(&self) -> VehicleCounters {
-        self.autopilot.counters
+        let (own, flown) = (self.component.counters, self.component.autopilot.counters());
+        let mut all = own;
+        all += flown;
+        all
     }
 
     /// What [`handle`](Self::handle) has read so far.
@@ -255,34 +233,28 @@ impl Vehicle {
         self.wire
     }
 
+    #[cfg(test)]
+    pub(crate) fn autopilot(&self) -> &Autopilot {
+        &self.component.autopilot
+    }
+
+    #[cfg(test)]
+    pub(crate) fn autopilot_mut(&mut self) -> &mut Autopilot {
+        &mut self.component.autopilot
+    }
+
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
-        let step = self.autopilot.settings.step;
-        while self.autopilot.time + step <= until {
-            self.step_to(self.autopilot.time + step, track);
-            if self.autopilot.time >= self.raw_links.next_due() {
-                self.with_instruments(Links::send_due);
+        let step = self.component.settings.step;
+        while self.component.autopilot.time() + step <= until {
+            self.step_to(self.component.autopilot.time() + step, track);
+            if self.component.autopilot.time() >= self.component.peers().next_due() {
+                self.component.with_instruments(Links::send_due);
             }
         }
     }
 
     fn step_to(&mut self, time: Duration, track: &mut Vec<State>) {
-        self.autopilot.step(time, track);
-        self.tell_events();
-    }
-
-    /// The links, on which everything that is not yet told has gone out.
-    pub(crate) fn links(&mut self) -> &mut Links {
-        self.tell_events();
-        &mut self.raw_links
-    }
-
-    /// The links as they are, to be looked at.
-    pub(crate) fn peers(&self) -> &Links {
-        &self.raw_links
-    }
-
-    fn note_host_time(&mut self, now: Duration) {
-        self.host_now = self.host_now.max(now);
-        self.raw_links.drop_silent(self.host_now);
+        self.component.autopilot.step(time, track);
+        self.component.tell_events();
     }
 }

@@ -1,16 +1,11 @@
 //! Guided commands and changes of the mode.
 
-// Clients still speak what the dialect calls superseded, and ArduPlane answers.
-#![allow(deprecated)]
-
 use crate::autopilot::Autopilot;
-use crate::error::Severity;
-use crate::firmware::Personality;
+use crate::autopilot::input::{ALTITUDE_MAX_M, angle_rad, check_finite, integer};
+use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
-use crate::parameters::Parameter;
-use crate::protocol::command::{ALTITUDE_MAX_M, Refusal, angle_rad, check_finite, integer};
+use crate::parameters::table::Parameter;
 use mavlink_bridge::AltitudeDatum;
-use mavlink_bridge::dialect::{MavCmd, MavModeFlag};
 
 /// A limit of zero means none.
 fn limit_or_none(limit: f32) -> f64 {
@@ -18,49 +13,14 @@ fn limit_or_none(limit: f32) -> f64 {
 }
 
 impl Autopilot {
-    /// Obeys a command with a value that the common dialect does not know: either the command itself, or, in a command
-    /// that is known here, its frame.
-    pub(crate) fn execute_by_number(&mut self, raw: &mavlink_bridge::Command) -> Result<(), Refusal> {
-        const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
-        const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
-        const DO_SEND_BANNER: u16 = 42_428;
-        const BATTERY_RESET: u16 = 42_651;
-        let [p1, p2, ..] = raw.params;
-        match raw.number {
-            GUIDED_CHANGE_ALTITUDE => {
-                self.check_guided_command("Altitude")?;
-                Err(Refusal::denied("Altitude: unknown frame"))
-            }
-            DO_REPOSITION => Err(Refusal::denied("Reposition: unknown frame")),
-            DO_SEND_BANNER if self.settings.personality != Personality::Px4 => {
-                self.send_banner();
-                Ok(())
-            }
-            BATTERY_RESET if self.settings.personality != Personality::Px4 => self.reset_battery([p1, p2]),
-            number => self.answer_for_device(number, p1).unwrap_or(Err(Refusal::unsupported())),
-        }
-    }
-
-    pub(crate) fn change_mode(&mut self, base_mode: f32, custom_mode: f32) -> Result<(), Refusal> {
-        check_finite("Mode", &[base_mode, custom_mode])?;
-        let custom_flag = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
-        if integer(base_mode) & custom_flag == 0 {
-            return Err(Refusal::denied("Mode: only custom modes are known"));
-        }
-        // A cast of what is negative or too large takes the bound, which is no mode.
-        let number = u32::try_from(integer(custom_mode)).unwrap_or(u32::MAX);
-        let mode = Mode::from_number(number).map_err(|error| Refusal::failed(error.to_string()))?;
-        self.enter(mode)
-    }
-
     /// Sets a mode. AUTO needs a mission: without one an ArduPlane returns.
-    pub(crate) fn enter(&mut self, mode: Mode) -> Result<(), Refusal> {
+    pub(crate) fn enter(&mut self, mode: Mode) -> Result<(), CommandError> {
         let has_nothing_to_fly = mode == Mode::Auto && !self.mission.is_flyable();
-        if has_nothing_to_fly && self.settings.personality != Personality::ArduPlane {
-            return Err(Refusal::failed("Auto: no mission"));
+        if has_nothing_to_fly && !self.rules.returns_without_mission {
+            return Err(CommandError::failed("Auto: no mission"));
         }
-        if let Some(reason) = self.fence_forbids(mode) {
-            return Err(Refusal::failed(reason));
+        if let Some(reason) = self.session.fence.forbids_mode(mode, &self.situation()) {
+            return Err(CommandError::failed(reason));
         }
         if has_nothing_to_fly {
             self.say(Severity::Info, "Mission complete, changing mode to RTL");
@@ -72,41 +32,41 @@ impl Autopilot {
     }
 
     /// Params 1 and 2: the first and the last item to fly, which ArduPlane does not let choose either.
-    pub(crate) fn start_mission(&mut self, first_and_last: [f32; 2]) -> Result<(), Refusal> {
+    pub(crate) fn start_mission(&mut self, first_and_last: [f32; 2]) -> Result<(), CommandError> {
         if first_and_last != [0.0, 0.0] {
-            return Err(Refusal::denied("Mission: first and last item must be 0"));
+            return Err(CommandError::denied("Mission: first and last item must be 0"));
         }
         self.enter(Mode::Auto)
     }
 
-    pub(crate) fn set_current_mission_item(&mut self, seq: f32) -> Result<(), Refusal> {
+    pub(crate) fn set_current_mission_item(&mut self, seq: f32) -> Result<(), CommandError> {
         check_finite("Mission", &[seq])?;
         self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX))
     }
 
-    pub(crate) fn check_guided_command(&self, name: &str) -> Result<(), Refusal> {
+    pub(crate) fn check_guided_command(&self, name: &str) -> Result<(), CommandError> {
         match self.mode() {
             Mode::Guided => Ok(()),
-            other => Err(Refusal::failed(format!("{name}: mode is {other}"))),
+            other => Err(CommandError::failed(format!("{name}: mode is {other}"))),
         }
     }
 
-    pub(crate) fn check_speed(&self, speed_mps: f32) -> Result<(), Refusal> {
+    pub(crate) fn check_speed(&self, speed_mps: f32) -> Result<(), CommandError> {
         let (least, most) = (self.parameters.get(Parameter::AirspeedMin), self.parameters.get(Parameter::AirspeedMax));
         if (least..=most).contains(&speed_mps) {
             Ok(())
         } else {
             let range = format!("[{least}, {most}]");
-            Err(Refusal::failed(format!("Speed {speed_mps} m/s is outside {range}")))
+            Err(CommandError::failed(format!("Speed {speed_mps} m/s is outside {range}")))
         }
     }
 
     /// Param 1: type, only airspeed (0). Param 2: m/s. Param 3: acceleration in m/s2, 0 for at once, its sign ignored.
-    pub(crate) fn guided_speed(&mut self, [kind, speed_mps, acceleration_mps2]: [f32; 3]) -> Result<(), Refusal> {
+    pub(crate) fn guided_speed(&mut self, [kind, speed_mps, acceleration_mps2]: [f32; 3]) -> Result<(), CommandError> {
         self.check_guided_command("Speed")?;
         check_finite("Speed", &[kind, speed_mps, acceleration_mps2])?;
         if integer(kind) != 0 {
-            return Err(Refusal::denied("Speed: only airspeed can be set"));
+            return Err(CommandError::denied("Speed: only airspeed can be set"));
         }
         self.check_speed(speed_mps)?;
         self.restart_setpoint_timeout();
@@ -118,7 +78,7 @@ impl Autopilot {
     }
 
     /// z: m, above what the frame says. Param 3: rate in m/s, 0 for as fast as it flies.
-    pub(crate) fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: u8) -> Result<(), Refusal> {
+    pub(crate) fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: u8) -> Result<(), CommandError> {
         self.check_guided_command("Altitude")?;
         check_finite("Altitude", &[rate_mps])?;
         let altitude_m = self.guided_altitude_m("Altitude", z, frame)?;
@@ -128,45 +88,37 @@ impl Autopilot {
     }
 
     /// An altitude of a guided command, in m above the origin.
-    pub(crate) fn guided_altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, Refusal> {
+    pub(crate) fn guided_altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, CommandError> {
         check_finite(name, &[z])?;
         if z == 0.0 || z == -1.0 {
-            return Err(Refusal::denied(format!("{name}: {z} m is not accepted")));
+            return Err(CommandError::denied(format!("{name}: {z} m is not accepted")));
         }
         self.altitude_m(name, z, frame)
     }
 
     /// An altitude that a command gives, in m above the origin: terrain is as high as home.
-    pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, Refusal> {
+    pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, CommandError> {
         if z.abs() >= ALTITUDE_MAX_M {
-            return Err(Refusal::denied(format!("{name}: {z:e} m is no altitude")));
+            return Err(CommandError::denied(format!("{name}: {z:e} m is no altitude")));
         }
         let datum = AltitudeDatum::of_frame(frame)
-            .ok_or_else(|| Refusal::denied(format!("{name}: frame {frame} is not accepted")))?;
-        Ok(self.above_origin_m(datum, f64::from(z)))
-    }
-
-    /// An altitude above a datum as one above the origin, m: terrain is as high as home.
-    pub(crate) fn above_origin_m(&self, datum: AltitudeDatum, altitude_m: f64) -> f64 {
-        match datum {
-            AltitudeDatum::MeanSeaLevel => altitude_m - self.settings.frame.origin().altitude_amsl_m,
-            AltitudeDatum::Home | AltitudeDatum::Terrain => altitude_m + self.flight.home().altitude_m,
-        }
+            .ok_or_else(|| CommandError::denied(format!("{name}: frame {frame} is not accepted")))?;
+        Ok(self.reference().above_origin_m(datum, f64::from(z)))
     }
 
     /// Param 1: course over ground (0), heading (1), or neither any more (2). Param 2: degrees. Param 3: greatest lateral
     /// acceleration in m/s2, at least 0.05, and never more than the vehicle's own limit.
-    pub(crate) fn guided_heading(&mut self, [kind, course_deg, lateral_mps2]: [f32; 3]) -> Result<(), Refusal> {
+    pub(crate) fn guided_heading(&mut self, [kind, course_deg, lateral_mps2]: [f32; 3]) -> Result<(), CommandError> {
         self.check_guided_command("Heading")?;
         check_finite("Heading", &[kind, course_deg, lateral_mps2])?;
         if !(0.0..360.0).contains(&course_deg) {
-            return Err(Refusal::denied(format!("Heading {course_deg} is outside [0, 360)")));
+            return Err(CommandError::denied(format!("Heading {course_deg} is outside [0, 360)")));
         }
         match integer(kind) {
             0 => self.flight.set_course(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
             1 => self.flight.set_heading(angle_rad(course_deg), f64::from(lateral_mps2).max(0.05)),
             2 => self.flight.release_course(),
-            other => return Err(Refusal::denied(format!("Heading: type {other} is not accepted"))),
+            other => return Err(CommandError::denied(format!("Heading: type {other} is not accepted"))),
         }
         self.restart_setpoint_timeout();
         Ok(())
@@ -174,13 +126,13 @@ impl Autopilot {
 
     /// Param 1: altitude in m. Param 2: the frame that says above what. While a GUIDED_CHANGE_ALTITUDE is flown it is
     /// accepted and has no effect, as in ArduPlane.
-    pub(crate) fn change_altitude(&mut self, [altitude_m, frame]: [f32; 2]) -> Result<(), Refusal> {
+    pub(crate) fn change_altitude(&mut self, [altitude_m, frame]: [f32; 2]) -> Result<(), CommandError> {
         check_finite("Altitude", &[altitude_m, frame])?;
         let number = u8::try_from(integer(frame)).ok().filter(|number| AltitudeDatum::of_frame(*number).is_some());
-        let frame = number.ok_or_else(|| Refusal::denied(format!("Altitude: frame {frame} is not accepted")))?;
+        let frame = number.ok_or_else(|| CommandError::denied(format!("Altitude: frame {frame} is not accepted")))?;
         let altitude_m = self.altitude_m("Altitude", altitude_m, frame)?;
         if self.mode().is_manual() {
-            return Err(Refusal::denied(format!("Altitude: mode is {}", self.mode())));
+            return Err(CommandError::denied(format!("Altitude: mode is {}", self.mode())));
         }
         if !self.flight.is_altitude_slewed() {
             self.flight.set_altitude(altitude_m, f64::INFINITY);
@@ -191,13 +143,13 @@ impl Autopilot {
 
     /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s, or -2 for AIRSPEED_CRUISE. Param 3: a throttle in percent,
     /// which has no effect on how this flight model flies.
-    pub(crate) fn change_speed(&mut self, [kind, speed_mps, throttle_percent]: [f32; 3]) -> Result<(), Refusal> {
+    pub(crate) fn change_speed(&mut self, [kind, speed_mps, throttle_percent]: [f32; 3]) -> Result<(), CommandError> {
         if self.mode() != Mode::Auto {
             self.check_guided_command("Speed")?;
         }
         check_finite("Speed", &[kind, speed_mps])?;
         if !(0..=1).contains(&integer(kind)) {
-            return Err(Refusal::failed("Speed: only air and ground speed can be set"));
+            return Err(CommandError::failed("Speed: only air and ground speed can be set"));
         }
         let usual = integer(kind) == 0 && speed_mps == -2.0;
         let speed_mps = if usual { self.parameters.get(Parameter::AirspeedCruise) } else { speed_mps };

@@ -1,7 +1,5 @@
-//! The plans on board: a mission, a fence, rally points.
+//! The plans that a vehicle keeps: a mission, a fence, rally points.
 
-use crate::autopilot::Autopilot;
-use crate::autopilot::rally;
 use mavlink_bridge::PlanItem;
 
 /// The plans on board, each as it was uploaded.
@@ -46,30 +44,5 @@ impl PlanKind {
             Self::Fence => "Fence",
             Self::Rally => "Rally",
         }
-    }
-}
-
-impl Autopilot {
-    /// The items of a plan.
-    pub(crate) fn plan(&self, kind: PlanKind) -> &[PlanItem] {
-        match kind {
-            PlanKind::Mission => &self.mission.items,
-            PlanKind::Fence => self.fence.items(),
-            PlanKind::Rally => &self.rally.items,
-        }
-    }
-
-    /// Takes a plan whose items have been checked one by one, or says why it makes no sense as a whole. `anew` tells that
-    /// it is another one, and not the old one with some items changed.
-    pub(crate) fn replace_plan(&mut self, kind: PlanKind, items: Vec<PlanItem>, anew: bool) -> Result<(), String> {
-        match kind {
-            PlanKind::Mission => {
-                self.mission.items = items;
-                self.mission_changed(anew);
-            }
-            PlanKind::Fence => self.replace_fence(items)?,
-            PlanKind::Rally => self.rally.items = items.iter().map(rally::as_kept).collect(),
-        }
-        Ok(())
     }
 }

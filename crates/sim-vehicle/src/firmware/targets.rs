@@ -25,12 +25,18 @@ pub(super) struct PositionTarget {
     pub asks_for_anything: bool,
 }
 
-/// Why a message is not followed, for a STATUSTEXT.
-pub(super) type TargetRefused = String;
+/// Why a message is not followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum TargetError {
+    #[error("coordinate frame {0} unsupported")]
+    Frame(u32),
+    #[error("no such place")]
+    Place,
+}
 
 impl PositionTarget {
     /// In MAV_FRAME_LOCAL_NED, or velocities in MAV_FRAME_BODY_NED of a vehicle that heads `heading_rad`.
-    pub fn from_local(data: &SET_POSITION_TARGET_LOCAL_NED_DATA, heading_rad: f64) -> Result<Self, TargetRefused> {
+    pub fn from_local(data: &SET_POSITION_TARGET_LOCAL_NED_DATA, heading_rad: f64) -> Result<Self, TargetError> {
         let fields = [data.x, data.y, data.z, data.vx, data.vy, data.vz, data.afx, data.afy, data.afz];
         let target = Self::read(data.type_mask, fields.map(f64::from));
         match data.coordinate_frame {
@@ -41,7 +47,7 @@ impl PositionTarget {
                 let velocity_mps = target.velocity_mps.map(turn);
                 Ok(Self { place: None, altitude_m: None, velocity_mps, ..target })
             }
-            other => Err(format!("coordinate frame {} unsupported", other as u32)),
+            other => Err(TargetError::Frame(other as u32)),
         }
     }
 
@@ -50,19 +56,19 @@ impl PositionTarget {
         data: &SET_POSITION_TARGET_GLOBAL_INT_DATA,
         to_local: impl Fn(LatLonE7) -> (f64, f64),
         altitude_m: impl Fn(f32, u8) -> Option<f64>,
-    ) -> Result<Self, TargetRefused> {
+    ) -> Result<Self, TargetError> {
         let position = LatLonE7::new(data.lat_int, data.lon_int);
         let (north_m, east_m) = to_local(position);
         // A velocity needs no frame.
         let up_m = match altitude_m(data.alt, data.coordinate_frame as u8) {
             Some(up_m) => up_m,
             None if data.type_mask.contains(PLACE | Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE) => f64::NAN,
-            None => return Err(format!("coordinate frame {} unsupported", data.coordinate_frame as u32)),
+            None => return Err(TargetError::Frame(data.coordinate_frame as u32)),
         };
         let [vx, vy, vz, ax, ay, az] = [data.vx, data.vy, data.vz, data.afx, data.afy, data.afz].map(f64::from);
         let target = Self::read(data.type_mask, [north_m, east_m, -up_m, vx, vy, vz, ax, ay, az]);
         if target.place.is_some() && !position.is_valid() {
-            return Err("no such place".into());
+            return Err(TargetError::Place);
         }
         Ok(target)
     }
@@ -106,62 +112,60 @@ impl PositionTarget {
 
 const PLACE: Mask = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE.union(Mask::POSITION_TARGET_TYPEMASK_Y_IGNORE);
 
-impl Autopilot {
-    /// Flies a target: a place, along a line through a place in the direction of the velocity, or with a velocity; at an
-    /// altitude or with a rate of climb. What it does not ask for stays as it is. From the ground, armed, it takes off where
-    /// the target is higher.
-    pub(super) fn fly_target(&mut self, target: &PositionTarget) {
-        // A velocity of zero has no direction.
-        let velocity_mps = target.velocity_mps.filter(|velocity| *velocity != (0.0, 0.0));
-        match (target.place, velocity_mps) {
-            (Some(place), Some(velocity)) => {
-                self.flight.set_course(self.course_onto_line(place, velocity), f64::INFINITY)
-            }
-            (Some(place), None) => self.flight.fly_to(place),
-            (None, Some((north, east))) => self.flight.set_course(wrap_pi(libm::atan2(east, north)), f64::INFINITY),
-            (None, None) => {}
+/// Flies a target: a place, along a line through a place in the direction of the velocity, or with a velocity; at an
+/// altitude or with a rate of climb. What it does not ask for stays as it is. From the ground, armed, it takes off where
+/// the target is higher.
+pub(super) fn fly_target(autopilot: &mut Autopilot, target: &PositionTarget) {
+    // A velocity of zero has no direction.
+    let velocity_mps = target.velocity_mps.filter(|velocity| *velocity != (0.0, 0.0));
+    match (target.place, velocity_mps) {
+        (Some(place), Some(velocity)) => {
+            autopilot.flight.set_course(course_onto_line(autopilot, place, velocity), f64::INFINITY)
         }
-        if let Some((north, east)) = velocity_mps {
-            self.flight.set_speed((north * north + east * east).sqrt(), f64::INFINITY);
-        }
-        match (target.altitude_m, target.climb_mps) {
-            (Some(altitude_m), _) => self.flight.set_altitude(altitude_m, f64::INFINITY),
-            (None, Some(climb_mps)) => self.flight.climb_at(climb_mps),
-            (None, None) => {}
-        }
-        if self.flight.is_on_ground() && self.flight.is_armed() && self.leads_up(target) {
-            self.take_off_for_target();
-        }
+        (Some(place), None) => autopilot.flight.fly_to(place),
+        (None, Some((north, east))) => autopilot.flight.set_course(wrap_pi(libm::atan2(east, north)), f64::INFINITY),
+        (None, None) => {}
     }
+    if let Some((north, east)) = velocity_mps {
+        autopilot.flight.set_speed((north * north + east * east).sqrt(), f64::INFINITY);
+    }
+    match (target.altitude_m, target.climb_mps) {
+        (Some(altitude_m), _) => autopilot.flight.set_altitude(altitude_m, f64::INFINITY),
+        (None, Some(climb_mps)) => autopilot.flight.climb_at(climb_mps),
+        (None, None) => {}
+    }
+    if autopilot.flight.is_on_ground() && autopilot.flight.is_armed() && leads_up(autopilot, target) {
+        take_off_for_target(autopilot);
+    }
+}
 
-    fn leads_up(&self, target: &PositionTarget) -> bool {
-        /// How much higher than the ground a place must be.
-        const HIGHER_M: f64 = 1.0;
-        match (target.altitude_m, target.climb_mps) {
-            (Some(altitude_m), _) => altitude_m > self.flight.state().altitude_m + HIGHER_M,
-            (None, climb_mps) => climb_mps.is_some_and(|climb_mps| climb_mps > 0.0),
-        }
+fn leads_up(autopilot: &Autopilot, target: &PositionTarget) -> bool {
+    /// How much higher than the ground a place must be.
+    const HIGHER_M: f64 = 1.0;
+    match (target.altitude_m, target.climb_mps) {
+        (Some(altitude_m), _) => altitude_m > autopilot.flight.state().altitude_m + HIGHER_M,
+        (None, climb_mps) => climb_mps.is_some_and(|climb_mps| climb_mps > 0.0),
     }
+}
 
-    /// Runs and lifts off, straight on, as fast as it must; the next target leads it in the air.
-    fn take_off_for_target(&mut self) {
-        let least_mps = self.flight.limits().speed_min_mps;
-        if self.flight.speed_target_mps() < least_mps {
-            self.flight.set_speed(least_mps, f64::INFINITY);
-        }
-        self.flight.take_off(self.flight.state().altitude_m + self.flight.altitude_error_m());
+/// Runs and lifts off, straight on, as fast as it must; the next target leads it in the air.
+fn take_off_for_target(autopilot: &mut Autopilot) {
+    let least_mps = autopilot.flight.limits().speed_min_mps;
+    if autopilot.flight.speed_target_mps() < least_mps {
+        autopilot.flight.set_speed(least_mps, f64::INFINITY);
     }
+    autopilot.flight.take_off(autopilot.flight.state().altitude_m + autopilot.flight.altitude_error_m());
+}
 
-    /// The course that leads onto the line through a place in the direction of a velocity.
-    fn course_onto_line(&self, (x_m, y_m): (f64, f64), (north, east): (f64, f64)) -> f64 {
-        /// Time over which the distance from the line is made up: slow against the course loop.
-        const APPROACH_S: f64 = 4.0;
-        let state = self.flight.state();
-        let course_rad = libm::atan2(east, north);
-        let (sin, cos) = libm::sincos(course_rad);
-        let right_m = (state.y_m - y_m) * cos - (state.x_m - x_m) * sin;
-        course_rad - libm::atan(right_m / (APPROACH_S * state.speed_mps.max(1.0)))
-    }
+/// The course that leads onto the line through a place in the direction of a velocity.
+fn course_onto_line(autopilot: &Autopilot, (x_m, y_m): (f64, f64), (north, east): (f64, f64)) -> f64 {
+    /// Time over which the distance from the line is made up: slow against the course loop.
+    const APPROACH_S: f64 = 4.0;
+    let state = autopilot.flight.state();
+    let course_rad = libm::atan2(east, north);
+    let (sin, cos) = libm::sincos(course_rad);
+    let right_m = (state.y_m - y_m) * cos - (state.x_m - x_m) * sin;
+    course_rad - libm::atan(right_m / (APPROACH_S * state.speed_mps.max(1.0)))
 }
 
 #[cfg(test)]
@@ -224,6 +228,6 @@ mod tests {
         let nan = SET_POSITION_TARGET_LOCAL_NED_DATA { vx: f32::NAN, ..data };
         assert!(!PositionTarget::from_local(&nan, 0.0).unwrap().is_complete());
         let odd = SET_POSITION_TARGET_LOCAL_NED_DATA { coordinate_frame: MavFrame::MAV_FRAME_LOCAL_FRD, ..nan };
-        assert_eq!(PositionTarget::from_local(&odd, 0.0), Err("coordinate frame 20 unsupported".into()));
+        assert_eq!(PositionTarget::from_local(&odd, 0.0), Err(TargetError::Frame(20)));
     }
 }

@@ -8,7 +8,7 @@ use crate::counters::VehicleCounters;
 use crate::host::clock::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
 use crate::host::endpoint::{Endpoint, EndpointReport, Shell, stopped};
 use crate::parameters::file::{self, ParameterFileError};
-use crate::protocol::mission as plans;
+use crate::protocol::mission::file as plan_file;
 use crate::protocol::parameter::Pace;
 use crate::settings::{SettingsError, VehicleSettings};
 use crate::vehicle::Vehicle;
@@ -90,7 +90,7 @@ impl Host {
             .map(|(vehicle, mut own)| {
                 if let Some(folder) = &settings.state_folder {
                     own.kept_parameters = file::read_kept(&file::path(folder, vehicle))?;
-                    own.plans = plans::file::read(folder, vehicle)?;
+                    own.plans = plan_file::read(folder, vehicle)?;
                 }
                 let built = match settings.clock {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
@@ -102,7 +102,7 @@ impl Host {
                     }
                     source => HostError::Vehicle { vehicle, source },
                 })?;
-                built.keep_pace(Arc::clone(&pace));
+                built.parameter_service().keep_pace(Arc::clone(&pace));
                 Ok(built)
             })
             .collect::<Result<_, HostError>>()?;

@@ -3,8 +3,9 @@
 
 mod texts;
 
-use crate::settings::{TelemetryRates, VehicleSettings};
+use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
+use crate::telemetry::rates::TelemetryRates;
 use crate::telemetry::streams::{Schedule, Stream};
 use crate::world::{Noise, Source};
 use mavlink_bridge::dialect::{DialectMessage, MavMissionResult, MavResult, Message};
@@ -140,7 +141,7 @@ impl Links {
             for &stream in streams {
                 self.links[index].schedule.set_interval(
                     stream,
-                    stream.default_interval(rates, self.settings.personality),
+                    stream.default_interval(rates, self.settings.personality.rules()),
                     time,
                 );
             }
@@ -151,7 +152,7 @@ impl Links {
     /// Every link has the default rates again.
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {
-            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
+            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
         }
         self.find_next_due();
     }
@@ -208,7 +209,7 @@ impl Links {
     }
 
     fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
-        let schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
+        let schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
         self.links.push(Link {
             peer,
             permanent,
@@ -262,7 +263,7 @@ impl Links {
     pub fn send_due(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
             for stream in
-                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+                self.links[index].schedule.take_due(instruments.time()).filter(|stream| instruments.has(*stream))
             {
                 if !self.is_left_out(index, stream) {
                     self.send_stream(index, stream, instruments);
@@ -288,7 +289,7 @@ impl Links {
     pub fn send_due_and_position(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
             for stream in
-                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+                self.links[index].schedule.take_due(instruments.time()).filter(|stream| instruments.has(*stream))
             {
                 if stream != Stream::LocalPositionNed {
                     self.send_stream(index, stream, instruments);

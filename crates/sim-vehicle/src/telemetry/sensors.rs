@@ -1,7 +1,8 @@
 //! Sensors and the battery as messages, in the units that ArduPlane sends.
 
-use crate::autopilot::failsafe::BatteryLevel;
-use crate::parameters::{Parameter, Parameters};
+use crate::autopilot::failsafe::battery::BatteryLevel;
+use crate::parameters::Parameters;
+use crate::parameters::table::Parameter;
 use crate::world::{Battery, Readings};
 use mavlink_bridge::boot_ms;
 use mavlink_bridge::dialect::{

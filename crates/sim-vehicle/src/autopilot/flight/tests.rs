@@ -1,3 +1,4 @@
+use super::ground::TouchDown;
 use super::*;
 use flight_model::Wind;
 
@@ -118,7 +119,7 @@ fn on_ground() -> Flight {
 
 /// Flies until something happens between it and the ground.
 fn fly_to_ground(flight: &mut Flight) -> f64 {
-    (0..100_000).find_map(|_| flight.step()).map(|Event::TouchedDown { sink_mps }| sink_mps).unwrap()
+    (0..100_000).find_map(|_| flight.step()).map(|TouchDown { sink_mps }| sink_mps).unwrap()
 }
 
 #[test]
@@ -210,7 +211,7 @@ fn a_landing_in_wind_touches_down_near_its_place() {
                 let wind = Wind::from_direction(wind_mps, from_deg.to_radians());
                 let mut flight = Flight::new(&VehicleSettings { mode: Mode::Auto, ..settings() });
                 flight.land_at((x, y));
-                let Event::TouchedDown { sink_mps } = (0..100_000)
+                let TouchDown { sink_mps } = (0..100_000)
                     .find_map(|_| {
                         flight.feel(wind, None);
                         flight.step()

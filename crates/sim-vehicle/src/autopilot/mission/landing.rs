@@ -3,10 +3,9 @@
 use super::items::{CHANGE_ALTITUDE, GO_AROUND, LAND, LAND_START, RETURN_PATH_START, WAYPOINT, has_place};
 use super::legs::Leg;
 use crate::autopilot::Autopilot;
-use crate::error::Severity;
+use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
-use crate::parameters::Parameter;
-use crate::protocol::command::Refusal;
+use crate::parameters::table::Parameter;
 use mavlink_bridge::PlanItem;
 
 /// Height to which a landing that is given up climbs where nothing else is said, m: ArduPlane's.
@@ -16,34 +15,34 @@ const RTL_TOLERANCE_M: f64 = 10.0;
 
 impl Autopilot {
     /// DO_LAND_START as a command: AUTO, from the nearest such item on.
-    pub(crate) fn start_landing(&mut self) -> Result<(), Refusal> {
+    pub(crate) fn start_landing(&mut self) -> Result<(), CommandError> {
         let Some(seq) = self.nearest_of(LAND_START) else {
-            return Err(Refusal::failed("Unable to start landing sequence"));
+            return Err(CommandError::failed("Unable to start landing sequence"));
         };
         self.go_on_in_auto(seq, "Landing sequence start");
         Ok(())
     }
 
     /// DO_RETURN_PATH_START as a command: AUTO, on the nearest leg after such an item.
-    pub(crate) fn start_return_path(&mut self) -> Result<(), Refusal> {
+    pub(crate) fn start_return_path(&mut self) -> Result<(), CommandError> {
         let Some(seq) = self.nearest_return_leg() else {
-            return Err(Refusal::failed("Mission has no return path"));
+            return Err(CommandError::failed("Mission has no return path"));
         };
         self.go_on_in_auto(seq, "Return path started");
         Ok(())
     }
 
     /// DO_GO_AROUND as a command: gives up the landing. Param 1: m above home to climb to, 0 for what the mission says.
-    pub(crate) fn go_around(&mut self, height_m: f32) -> Result<(), Refusal> {
+    pub(crate) fn go_around(&mut self, height_m: f32) -> Result<(), CommandError> {
         if self.mode() != Mode::Auto {
-            return Err(Refusal::failed(format!("Go around: mode is {}", self.mode())));
+            return Err(CommandError::failed(format!("Go around: mode is {}", self.mode())));
         }
-        let land = self.mission.get(self.progress.current).copied().filter(|item| item.command == LAND);
+        let land = self.mission.get(self.session.progress.current()).copied().filter(|item| item.command == LAND);
         let Some(land) = land.filter(|_| !self.flight.is_on_ground()) else {
-            return Err(Refusal::failed("Go around: it is not landing"));
+            return Err(CommandError::failed("Go around: it is not landing"));
         };
         if !height_m.is_finite() {
-            return Err(Refusal::denied("Go around: param 1 is not finite"));
+            return Err(CommandError::denied("Go around: param 1 is not finite"));
         }
         if let Some(seq) = self.nearest_of(GO_AROUND) {
             self.go_on_in_auto(seq, "Landing abort sequence start");
@@ -53,7 +52,7 @@ impl Autopilot {
         let height_m = wanted_m.map_or(GO_AROUND_HEIGHT_M, f64::from);
         let altitude_m = (self.flight.home().altitude_m + height_m).max(self.flight.state().altitude_m);
         self.flight.take_off(altitude_m);
-        self.progress.leg = Leg::GoAround(altitude_m);
+        self.session.progress.leg = Leg::GoAround(altitude_m);
         self.say(Severity::Notice, &format!("Landing aborted, climbing to {height_m:.0}m"));
         Ok(())
     }
@@ -61,13 +60,13 @@ impl Autopilot {
     /// After a landing that was given up: the climb that follows it in the mission, or the landing sequence, or the
     /// waypoint before it, again.
     pub(super) fn restart_landing(&mut self) {
-        let land = self.progress.current;
+        let land = self.session.progress.current();
         let climbs = |item: &&PlanItem| item.command == CHANGE_ALTITUDE && item.params[0] < 2.0;
         let climb = self.mission.get(land + 1).filter(climbs).map(|_| land + 1);
         let before = self.mission.numbered().filter(|(seq, item)| *seq < land && item.command == WAYPOINT).last();
         let before = before.map(|(seq, _)| seq);
         match climb.or_else(|| self.nearest_of(LAND_START)).or(before) {
-            Some(seq) => self.go_to(seq),
+            Some(seq) => self.session.progress.go_to(seq),
             None => self.set_mode(Mode::Rtl),
         }
     }
@@ -76,7 +75,7 @@ impl Autopilot {
     /// nearest leg of a return path.
     pub(super) fn look_for_landing(&mut self) {
         let autoland = self.parameters.get(Parameter::RtlAutoland) as u8;
-        if self.progress.has_looked_for_landing || !self.flight.is_armed() || matches!(autoland, 0 | 3) {
+        if self.session.progress.has_looked_for_landing() || !self.flight.is_armed() || matches!(autoland, 0 | 3) {
             return;
         }
         if autoland == 1 && !self.has_come_back() {
@@ -85,7 +84,7 @@ impl Autopilot {
         let to = if autoland == 4 { self.nearest_return_leg() } else { self.nearest_of(LAND_START) };
         match to {
             Some(seq) => self.go_on_in_auto(seq, "Landing sequence start"),
-            None => self.progress.has_looked_for_landing = true,
+            None => self.session.progress.found_no_landing(),
         }
     }
 
@@ -110,7 +109,7 @@ impl Autopilot {
         let marks = self.mission.numbered().filter(|(_, item)| item.command == command);
         let placed = marks.filter_map(|(seq, _)| {
             let (_, item) = self.mission.numbered().find(|(at, item)| *at >= seq && is_placed(item))?;
-            Some((seq, self.distance_m(self.place_of(item))))
+            Some((seq, self.flight.distance_m(self.reference().place_of(item, self.flight.here()))))
         });
         placed.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(seq, _)| seq)
     }
@@ -129,8 +128,8 @@ impl Autopilot {
             if !is_on_path || !is_placed(item) {
                 continue;
             }
-            let to = self.place_of(item);
-            let distance_m = self.distance_m(nearest_point(from.unwrap_or(to), to, self.here()));
+            let to = self.reference().place_of(item, self.flight.here());
+            let distance_m = self.flight.distance_m(nearest_point(from.unwrap_or(to), to, self.flight.here()));
             if item.command != RETURN_PATH_START && nearest.is_none_or(|(_, least_m)| distance_m < least_m) {
                 nearest = Some((seq, distance_m));
             }
@@ -138,11 +137,6 @@ impl Autopilot {
             is_on_path = item.command != LAND;
         }
         nearest.map(|(seq, _)| seq)
-    }
-
-    pub(super) fn distance_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
-        let (x0_m, y0_m) = self.here();
-        ((x_m - x0_m) * (x_m - x0_m) + (y_m - y0_m) * (y_m - y0_m)).sqrt()
     }
 }
 

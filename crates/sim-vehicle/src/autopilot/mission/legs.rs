@@ -1,8 +1,7 @@
 //! What the item that AUTO flies still wants, and when it has it.
 
-use crate::autopilot::Autopilot;
-use crate::autopilot::flight::TAKEOFF_TOLERANCE_M;
-use flight_model::wrap_pi;
+use crate::autopilot::flight::tuning::TAKEOFF_TOLERANCE_M;
+use flight_model::{State, wrap_pi};
 use std::time::Duration;
 
 /// What the current item still wants.
@@ -49,19 +48,17 @@ pub(super) struct Circled {
     turned_rad: f64,
 }
 
-impl Autopilot {
+impl Leg {
     /// Looks after an integration step whether the current item has all that it wants.
-    pub(super) fn is_leg_done(&mut self) -> bool {
-        let is_on_ground = self.flight.is_on_ground();
-        if is_on_ground || matches!(self.progress.leg, Leg::Landing) {
-            return is_on_ground && matches!(self.progress.leg, Leg::Landing);
+    pub fn is_done(&mut self, state: &State, is_on_ground: bool, time: Duration) -> bool {
+        if is_on_ground || matches!(self, Leg::Landing) {
+            return is_on_ground && matches!(self, Leg::Landing);
         }
-        let (state, time) = (self.flight.estimate(), self.time);
         let from = |(x_m, y_m): (f64, f64)| {
             let (north, east) = (state.x_m - x_m, state.y_m - y_m);
             ((north * north + east * east).sqrt(), libm::atan2(east, north))
         };
-        match &mut self.progress.leg {
+        match self {
             Leg::Begin | Leg::Forever | Leg::Landing => false,
             Leg::Place { at, radius_m, nearest_m } => {
                 // Who sees the vehicle a few times a second must see it within the radius: the item ends where it is

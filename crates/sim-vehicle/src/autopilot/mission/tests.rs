@@ -1,4 +1,5 @@
 use super::items::{LAND, TAKEOFF, WAYPOINT};
+use crate::autopilot::plan::PlanKind;
 use crate::mode::Mode;
 use crate::settings::VehicleSettings;
 use crate::vehicle::Vehicle;
@@ -31,20 +32,19 @@ fn item(vehicle: &Vehicle, command: u16, (x_m, y_m): Place, z_m: f32, radius_m: 
 /// a ground station sees it.
 fn fly(vehicle: &mut Vehicle, items: Vec<PlanItem>, patience_s: u64) -> Vec<Vec<Place>> {
     let count = items.len();
-    vehicle.autopilot.mission.items = items;
-    vehicle.autopilot.mission_changed(true);
-    vehicle.autopilot.set_mode(Mode::Auto);
+    vehicle.autopilot_mut().replace_plan(PlanKind::Mission, items, true).unwrap();
+    vehicle.autopilot_mut().set_mode(Mode::Auto);
     let mut seen = vec![Vec::new(); count];
     for tick in 1..=5 * patience_s {
-        if let Some(places) = seen.get_mut(usize::from(vehicle.autopilot.progress.current)) {
+        if let Some(places) = seen.get_mut(usize::from(vehicle.autopilot().session.progress.current())) {
             places.push((vehicle.state().x_m, vehicle.state().y_m));
         }
-        if vehicle.autopilot.progress.is_complete {
+        if vehicle.autopilot().session.progress.is_complete() {
             return seen;
         }
         vehicle.advance(Duration::from_millis(200 * tick), &mut Vec::new());
     }
-    panic!("item {} is not reached", vehicle.autopilot.progress.current);
+    panic!("item {} is not reached", vehicle.autopilot().session.progress.current());
 }
 
 fn nearest_m(places: &[Place], at: Place) -> f64 {
@@ -86,7 +86,7 @@ proptest! {
             item(&vehicle, WAYPOINT, (x, y), altitude_m, 10.0),
             item(&vehicle, LAND, (0.0, 0.0), 0.0, 0.0),
         ];
-        prop_assert!(vehicle.autopilot.arm_or_disarm([1.0, 0.0]).is_ok());
+        prop_assert!(vehicle.autopilot_mut().arm_or_disarm([1.0, 0.0]).is_ok());
         fly(&mut vehicle, items, 1_000);
         prop_assert!(libm::hypot(vehicle.state().x_m, vehicle.state().y_m) < 20.0);
         let landed = vehicle.time();

@@ -8,175 +8,101 @@
 #![allow(deprecated)]
 
 mod message_requests;
-mod preflight;
+pub(crate) mod preflight;
 mod reposition;
+pub(crate) mod request;
+mod set_home;
+mod standard_modes;
 
-use crate::error::Severity;
-use crate::firmware::Personality;
+use crate::autopilot::Autopilot;
+use crate::autopilot::input::{check_finite, integer};
+use crate::error::CommandError;
+use crate::firmware::answers;
 use crate::mode::Mode;
+use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult};
-use mavlink_bridge::{CommandPosition, LatLonE7};
+use mavlink_bridge::dialect::{MavCmd, MavModeFlag};
+use request::Command;
 
-/// A command, whichever message carried it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Command {
-    pub command: MavCmd,
-    pub params: [f32; 4],
-    /// Params 5 and 6, latitude and longitude.
-    pub position: CommandPosition,
-    /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
-    pub z: f32,
-    /// MAV_FRAME.
-    pub frame: u8,
-}
-
-/// Why a command is not obeyed.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Refusal {
-    pub result: MavResult,
-    /// For a STATUSTEXT.
-    pub reason: Option<String>,
-    /// How loud the reason is said.
-    pub severity: Severity,
-}
-
-/// Altitudes that are no more than that, m either way, can be stored by ArduPilot.
-pub(crate) const ALTITUDE_MAX_M: f32 = 83_000.0;
-
-impl Command {
-    /// A command as it came; none if the dialect does not know it, or its frame.
-    pub fn read(wire: &mavlink_bridge::Command) -> Option<Self> {
-        let command = wire.mav_cmd()?;
-        let frame = match wire.frame {
-            Some(_) => wire.mav_frame()?,
-            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
-            None if command == MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
-            None => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
-        };
-        Some(Self { command, params: wire.params, position: wire.position, z: wire.z, frame: frame as u8 })
+/// Obeys a command that came over a link, or says why not; nothing is changed then.
+pub(crate) fn execute(component: &mut Component, command: &Command, link: usize) -> Result<(), CommandError> {
+    let own = answers::execute(&mut component.autopilot, command);
+    if let Some(outcome) = own.or_else(|| standard_modes::execute(component, command, link)) {
+        return outcome;
     }
-
-    /// DO_SET_MODE, for the SET_MODE message that came before it, which has a PX4's main and sub mode in one number. Modes
-    /// are exact in an f32 up to 2^24; beyond that there are none.
-    pub fn set_mode(personality: Personality, custom: bool, custom_mode: u32) -> Self {
-        let base_mode = if custom { MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits() } else { 0 };
-        let (main, sub) = match personality {
-            Personality::Px4 => (custom_mode >> 16 & 0xFF, custom_mode >> 24),
-            Personality::ArduPlane | Personality::Generic => (custom_mode, 0),
-        };
-        Self {
-            command: MavCmd::MAV_CMD_DO_SET_MODE,
-            params: [f32::from(base_mode), main as f32, sub as f32, 0.0],
-            position: CommandPosition::Long([0.0; 2]),
-            z: 0.0,
-            frame: MavFrame::MAV_FRAME_GLOBAL as u8,
+    let autopilot = &mut component.autopilot;
+    let [p1, p2, p3, _] = command.params;
+    match command.command {
+        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => autopilot.arm_or_disarm([p1, p2]),
+        MavCmd::MAV_CMD_RUN_PREARM_CHECKS => autopilot.run_prearm_checks(),
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => preflight::calibrate(autopilot, [p1, p3]),
+        MavCmd::MAV_CMD_DO_SET_HOME => set_home::set_home(autopilot, command),
+        MavCmd::MAV_CMD_DO_SET_MODE => change_mode(autopilot, p1, p2),
+        MavCmd::MAV_CMD_NAV_LOITER_UNLIM => autopilot.enter(Mode::Loiter),
+        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => autopilot.enter(Mode::Rtl),
+        MavCmd::MAV_CMD_MISSION_START => autopilot.start_mission([p1, p2]),
+        MavCmd::MAV_CMD_DO_LAND_START => autopilot.start_landing(),
+        MavCmd::MAV_CMD_DO_RETURN_PATH_START => autopilot.start_return_path(),
+        MavCmd::MAV_CMD_DO_GO_AROUND => autopilot.go_around(p1),
+        MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => autopilot.set_current_mission_item(p1),
+        MavCmd::MAV_CMD_DO_JUMP_TAG => autopilot.jump_to_tag(p1),
+        MavCmd::MAV_CMD_DO_FENCE_ENABLE => autopilot.enable_fence([p1, p2]),
+        // ArduPlane takes it for quadplanes alone.
+        MavCmd::MAV_CMD_NAV_TAKEOFF => Err(CommandError::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
+        MavCmd::MAV_CMD_DO_REPOSITION => reposition::reposition(autopilot, command),
+        MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => autopilot.guided_speed([p1, p2, p3]),
+        MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => autopilot.guided_altitude(p3, command.z, command.frame),
+        MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => autopilot.guided_heading([p1, p2, p3]),
+        MavCmd::MAV_CMD_DO_CHANGE_SPEED => autopilot.change_speed([p1, p2, p3]),
+        MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => autopilot.change_altitude([p1, p2]),
+        MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL => message_requests::tell_message_interval(component, p1, link),
+        MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => message_requests::set_message_interval(component, [p1, p2], link),
+        MavCmd::MAV_CMD_REQUEST_MESSAGE => message_requests::request_message(component, [p1, p2], link),
+        MavCmd::MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => {
+            message_requests::answer_old_request(component, p1, Stream::AutopilotVersion, link)
         }
-    }
-
-    /// Latitude and longitude, whichever message carried them. A cast of what is too large takes the bound, which is no
-    /// place, and of what is no number, 0.
-    pub fn lat_lon(&self) -> LatLonE7 {
-        match self.position {
-            CommandPosition::Int(position) => position,
-            CommandPosition::Long(degrees) => {
-                let [latitude_e7, longitude_e7] = degrees.map(|degrees| (f64::from(degrees) * 1e7) as i32);
-                LatLonE7 { latitude_e7, longitude_e7 }
-            }
+        MavCmd::MAV_CMD_REQUEST_PROTOCOL_VERSION => {
+            message_requests::answer_old_request(component, p1, Stream::ProtocolVersion, link)
         }
-    }
-}
-
-impl Refusal {
-    pub fn new(result: MavResult, reason: impl Into<String>) -> Self {
-        Self { result, reason: Some(reason.into()), severity: Severity::Warning }
-    }
-
-    /// The same, as no warning: ground stations ask every vehicle whether it has this and that, and read warnings aloud.
-    pub fn quietly(self) -> Self {
-        Self { severity: Severity::Info, ..self }
-    }
-
-    pub fn denied(reason: impl Into<String>) -> Self {
-        Self::new(MavResult::MAV_RESULT_DENIED, reason)
-    }
-
-    pub fn failed(reason: impl Into<String>) -> Self {
-        Self::new(MavResult::MAV_RESULT_FAILED, reason)
-    }
-
-    pub fn unsupported() -> Self {
-        Self { result: MavResult::MAV_RESULT_UNSUPPORTED, reason: None, severity: Severity::Info }
-    }
-}
-
-/// Params are compared as integers with what follows the point cut off, as ArduPlane does.
-pub(crate) fn integer(param: f32) -> i64 {
-    param as i64
-}
-
-/// A direction in degrees, in rad.
-pub(crate) fn angle_rad(degrees: f32) -> f64 {
-    flight_model::wrap_pi(f64::from(degrees).to_radians())
-}
-
-pub(crate) fn check_finite(name: &str, values: &[f32]) -> Result<(), Refusal> {
-    if values.iter().all(|value| value.is_finite()) {
-        Ok(())
-    } else {
-        Err(Refusal::denied(format!("{name}: a parameter is not finite")))
-    }
-}
-
-impl Vehicle {
-    /// Obeys a command that came over a link, or says why not; nothing is changed then.
-    pub(crate) fn execute(&mut self, command: &Command, link: usize) -> Result<(), Refusal> {
-        let own = self.autopilot.execute_as_personality(command);
-        if let Some(outcome) = own.or_else(|| self.execute_standard_mode(command, link)) {
-            return outcome;
+        MavCmd::MAV_CMD_GET_HOME_POSITION => {
+            component.send_stream(link, Stream::HomePosition);
+            Ok(())
         }
-        let [p1, p2, p3, _] = command.params;
-        match command.command {
-            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.autopilot.arm_or_disarm([p1, p2]),
-            MavCmd::MAV_CMD_RUN_PREARM_CHECKS => self.autopilot.run_prearm_checks(),
-            MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if self.autopilot.settings.personality != Personality::Px4 => {
-                self.autopilot.calibrate([p1, p3])
-            }
-            MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => self.reboot(p1),
-            MavCmd::MAV_CMD_DO_SET_HOME => self.autopilot.do_set_home(command),
-            MavCmd::MAV_CMD_DO_SET_MODE => self.autopilot.change_mode(p1, p2),
-            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.autopilot.enter(Mode::Loiter),
-            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.autopilot.enter(Mode::Rtl),
-            MavCmd::MAV_CMD_MISSION_START => self.autopilot.start_mission([p1, p2]),
-            MavCmd::MAV_CMD_DO_LAND_START => self.autopilot.start_landing(),
-            MavCmd::MAV_CMD_DO_RETURN_PATH_START => self.autopilot.start_return_path(),
-            MavCmd::MAV_CMD_DO_GO_AROUND => self.autopilot.go_around(p1),
-            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.autopilot.set_current_mission_item(p1),
-            MavCmd::MAV_CMD_DO_JUMP_TAG if self.autopilot.settings.personality != Personality::Px4 => {
-                self.autopilot.jump_to_tag(p1)
-            }
-            MavCmd::MAV_CMD_DO_FENCE_ENABLE => self.autopilot.enable_fence([p1, p2]),
-            // ArduPlane takes it for quadplanes alone.
-            MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
-            MavCmd::MAV_CMD_DO_REPOSITION => self.autopilot.reposition(command),
-            MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED => self.autopilot.guided_speed([p1, p2, p3]),
-            MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => self.autopilot.guided_altitude(p3, command.z, command.frame),
-            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.autopilot.guided_heading([p1, p2, p3]),
-            MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.autopilot.change_speed([p1, p2, p3]),
-            MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => self.autopilot.change_altitude([p1, p2]),
-            MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL => self.tell_message_interval(p1, link),
-            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => self.set_message_interval([p1, p2], link),
-            MavCmd::MAV_CMD_REQUEST_MESSAGE => self.request_message([p1, p2], link),
-            MavCmd::MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => {
-                self.answer_old_request(p1, Stream::AutopilotVersion, link)
-            }
-            MavCmd::MAV_CMD_REQUEST_PROTOCOL_VERSION => self.answer_old_request(p1, Stream::ProtocolVersion, link),
-            MavCmd::MAV_CMD_GET_HOME_POSITION => {
-                self.send_stream(link, Stream::HomePosition);
-                Ok(())
-            }
-            _ => Err(Refusal::unsupported()),
-        }
+        _ => Err(CommandError::unsupported()),
     }
+}
+
+/// Obeys a command with a value that the common dialect does not know: either the command itself, or, in a command
+/// that is known here, its frame.
+pub(crate) fn execute_by_number(autopilot: &mut Autopilot, raw: &mavlink_bridge::Command) -> Result<(), CommandError> {
+    const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
+    const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
+    const DO_SEND_BANNER: u16 = 42_428;
+    const BATTERY_RESET: u16 = 42_651;
+    let [p1, p2, ..] = raw.params;
+    match raw.number {
+        GUIDED_CHANGE_ALTITUDE => {
+            autopilot.check_guided_command("Altitude")?;
+            Err(CommandError::denied("Altitude: unknown frame"))
+        }
+        DO_REPOSITION => Err(CommandError::denied("Reposition: unknown frame")),
+        DO_SEND_BANNER if autopilot.rules().has_ardupilot_commands => {
+            preflight::send_banner(autopilot);
+            Ok(())
+        }
+        BATTERY_RESET if autopilot.rules().has_ardupilot_commands => preflight::reset_battery(autopilot, [p1, p2]),
+        number => answers::for_device(autopilot.rules(), number, p1).unwrap_or(Err(CommandError::unsupported())),
+    }
+}
+
+fn change_mode(autopilot: &mut Autopilot, base_mode: f32, custom_mode: f32) -> Result<(), CommandError> {
+    check_finite("Mode", &[base_mode, custom_mode])?;
+    let custom_flag = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
+    if integer(base_mode) & custom_flag == 0 {
+        return Err(CommandError::denied("Mode: only custom modes are known"));
+    }
+    // A cast of what is negative or too large takes the bound, which is no mode.
+    let number = u32::try_from(integer(custom_mode)).unwrap_or(u32::MAX);
+    let mode = Mode::from_number(number).map_err(|error| CommandError::failed(error.to_string()))?;
+    autopilot.enter(mode)
 }

@@ -2,7 +2,7 @@
 //! "QGC WPL 110" that ground stations write and read
 //! (<https://mavlink.io/en/file_formats/#mission_plain_text_file>). There is no file of an empty plan.
 
-use super::check_items;
+use super::check::check_items;
 use crate::autopilot::plan::{PlanKind, Plans};
 use mavlink_bridge::PlanItem;
 use std::fmt::Write as _;
