@@ -1,11 +1,6 @@
-//! What a PX4 does with its modes by itself (`Commander.cpp`): Hold after a take-off, another mode after a landing, disarming
-//! where it is armed and does not fly.
+//! What a PX4 remembers for what it does with its modes by itself.
 
-use super::Autopilot;
-use super::timer::Timer;
-use crate::error::Severity;
 use crate::mode::Mode;
-use crate::parameters::table::Parameter;
 
 /// What it remembers for that.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,6 +13,16 @@ pub(crate) struct Habits {
 }
 
 impl Habits {
+    /// Whether it was armed when this was last asked.
+    pub fn was_armed(&mut self, is_armed: bool) -> bool {
+        std::mem::replace(&mut self.was_armed, is_armed)
+    }
+
+    /// The mode that it is in again when a landing has disarmed it.
+    pub fn mode_to_restore(&self) -> Mode {
+        self.mode_to_restore.unwrap_or(Mode::Loiter)
+    }
+
     pub fn take_takeoff_altitude_m(&mut self) -> Option<f64> {
         self.takeoff_altitude_m.take()
     }
@@ -34,56 +39,4 @@ impl Habits {
 /// The modes in which it is not armed.
 pub(crate) fn ends_a_flight(mode: Mode) -> bool {
     matches!(mode, Mode::Rtl | Mode::Land)
-}
-
-impl Autopilot {
-    /// It is armed: on the ground it is given some time to take off.
-    pub(crate) fn begin_idle_timer(&mut self) {
-        let timers = &mut self.session.timers;
-        if self.flight.is_on_ground() {
-            timers.set(Timer::ArmedIdle, self.time)
-        } else {
-            timers.clear(Timer::ArmedIdle)
-        }
-    }
-
-    /// Whether it is armed. Disarmed, it leaves the modes that it cannot be armed in, and take-off.
-    pub(super) fn follow_arming(&mut self) -> bool {
-        let is_armed = self.flight.is_armed();
-        let was_armed = std::mem::replace(&mut self.session.habits.was_armed, is_armed);
-        if is_armed {
-            return true;
-        }
-        self.session.timers.clear(Timer::ArmedIdle);
-        if was_armed {
-            self.session.failsafes.streams.set_lost(None);
-            if ends_a_flight(self.mode()) || self.mode() == Mode::Takeoff {
-                self.set_mode(self.session.habits.mode_to_restore.unwrap_or(Mode::Loiter));
-            }
-        }
-        false
-    }
-
-    /// Take-off is over when it circles at its altitude.
-    pub(super) fn hold_after_take_off(&mut self) {
-        if self.mode() == Mode::Takeoff && self.flight.is_flying() && !self.flight.is_taking_off() {
-            let altitude_m = self.flight.state().altitude_m + self.flight.altitude_error_m();
-            self.set_mode(Mode::Loiter);
-            self.flight.set_altitude(altitude_m, f64::INFINITY);
-        }
-    }
-
-    /// COM_DISARM_PRFLT after it was armed it has not yet flown; below 0: never.
-    pub(super) fn disarm_idle(&mut self) {
-        if self.flight.is_flying() {
-            self.session.timers.clear(Timer::ArmedIdle);
-        }
-        let delay_s = self.parameters.get(Parameter::PreflightDisarmDelay);
-        let since = self.session.timers.since(Timer::ArmedIdle, self.time).filter(|_| delay_s >= 0.0);
-        let is_idle = self.flight.state().speed_mps == 0.0;
-        if is_idle && since.is_some_and(|since| since.as_secs_f32() >= delay_s) {
-            self.disarm();
-            self.say(Severity::Critical, "Disarmed by auto preflight disarming");
-        }
-    }
 }

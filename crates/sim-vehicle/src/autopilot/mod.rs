@@ -5,6 +5,7 @@
 
 mod arbiter;
 pub(crate) mod arming;
+mod automation;
 pub(crate) mod event;
 pub(crate) mod failsafe;
 pub(crate) mod fence;
@@ -15,6 +16,7 @@ pub(crate) mod home;
 pub(crate) mod input;
 pub(crate) mod manual_control;
 pub(crate) mod mission;
+pub(crate) mod pilot;
 pub(crate) mod plan;
 pub(crate) mod rally;
 mod session;

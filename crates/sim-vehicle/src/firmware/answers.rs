@@ -15,7 +15,7 @@ pub(crate) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Re
     match rules.commands {
         CommandSet::ArduPlane => for_device(),
         CommandSet::Px4 => px4::commands::execute(autopilot, command).or_else(for_device),
-        CommandSet::Generic => generic::execute(autopilot, command),
+        CommandSet::Generic => generic::commands::execute(autopilot, command),
     }
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn take_local_target(autopilot: &mut Autopilot, data: &SET_POSITION_T
     match autopilot.rules().targets {
         TargetSet::ArduPlane => return arduplane::targets::take_local(autopilot, data),
         TargetSet::Px4 => px4::offboard::take_local(autopilot, data),
-        TargetSet::Generic => generic::take_local(autopilot, data),
+        TargetSet::Generic => generic::targets::take_local(autopilot, data),
     }
     true
 }
@@ -69,7 +69,7 @@ pub(crate) fn take_global_target(autopilot: &mut Autopilot, data: &SET_POSITION_
     match autopilot.rules().targets {
         TargetSet::ArduPlane => arduplane::targets::take_global(autopilot, data),
         TargetSet::Px4 => px4::offboard::take_global(autopilot, data),
-        TargetSet::Generic => generic::take_global(autopilot, data),
+        TargetSet::Generic => generic::targets::take_global(autopilot, data),
     }
 }
 

@@ -9,7 +9,7 @@ mod ftp;
 pub(crate) mod mission;
 pub(crate) mod parameter;
 
-use crate::autopilot::manual_control::ManualControl;
+use crate::autopilot::pilot::ManualControl;
 use crate::error::{CommandError, CommandResult, Severity};
 use crate::firmware::answers;
 use crate::lockstep::Lockstep;

@@ -168,7 +168,7 @@ impl Stream {
 
 /// ArduPlane's groups, by which REQUEST_DATA_STREAM and the MAV1_ parameters set rates.
 pub(crate) mod groups {
-    use super::Stream;
+    use crate::telemetry::streams::Stream;
     use crate::parameters::table::RateGroup;
 
     pub const RAW_SENSORS: &[Stream] = &[Stream::RawImu, Stream::ScaledPressure];
