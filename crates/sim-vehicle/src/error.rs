@@ -47,7 +47,8 @@ impl CommandError {
         Self { result, reason: Some(reason.into()), severity: Severity::Warning }
     }
 
-    /// The same, as no warning: ground stations ask every vehicle whether it has this and that, and read warnings aloud.
+    /// The same, as no warning: ground stations ask every vehicle whether it has this and that, and read warnings
+    /// aloud.
     pub fn quietly(self) -> Self {
         Self { severity: Severity::Info, ..self }
     }

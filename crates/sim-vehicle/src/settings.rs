@@ -24,8 +24,8 @@ pub struct VehicleSettings {
     pub step: Duration,
     /// Where and how it starts, in the air.
     pub start: State,
-    /// It stands on the ground instead, where it starts, at altitude 0 above the origin and on its course: disarmed and in
-    /// MANUAL, whatever `armed` and `mode` say, and with its home there. The speed of the start is its cruise speed.
+    /// It stands on the ground instead, where it starts, at altitude 0 above the origin and on its course: disarmed and
+    /// in MANUAL, whatever `armed` and `mode` say, and with its home there. The speed of the start is its cruise speed.
     pub on_ground: bool,
     /// The local frame. Its origin is the home of vehicles that start in the air, and the ground is level with it.
     pub frame: LocalFrame,
@@ -182,6 +182,9 @@ impl VehicleSettings {
 
 impl LockstepSettings {
     /// Whether the period fits an integration step and the waits are positive and in order.
+    ///
+    /// # Errors
+    /// The first that is not so.
     pub fn validate(&self, step: Duration) -> Result<(), SettingsError> {
         let (period, step) = (self.period, step);
         let whole = |unit: Duration| unit.as_nanos() > 0 && period.as_nanos().is_multiple_of(unit.as_nanos());

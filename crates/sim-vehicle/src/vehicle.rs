@@ -16,11 +16,32 @@ use flight_model::{Setpoint, State};
 use mavlink_bridge::{Counters, Incoming, PlanItem, incoming};
 use std::time::Duration;
 
-/// One simulated autopilot that speaks MAVLink as ArduPlane does.
+/// One simulated vehicle that speaks MAVLink as its autopilot does.
 ///
 /// It does no I/O and knows no clock. There are two times, both counted from the start: *vehicle time*, which only
-/// [`advance`](Self::advance) moves, in whole integration steps, and *host time* (the arguments called `now`), which
-/// tells when to ask again and which peers have fallen silent. In real time the host lets them run together.
+/// [`advance`](Self::advance) moves, in whole integration steps, and *host time* (the arguments called `now`), which tells
+/// when to ask again and which peers are silent. In real time the host lets them run together.
+///
+/// # Which calls, in which order
+///
+/// The caller owns the sockets and the clock, and calls, as often as it likes:
+///
+/// 1. [`handle`](Self::handle) for each datagram that comes, with the host time and the address of its sender.
+/// 2. [`handle_timeout`](Self::handle_timeout) when the host time has come that [`poll_timeout`](Self::poll_timeout) gave,
+///    and at least once a second in real time: lists of parameters, uploads and repeats go on by it. More often is no
+///    fault, and earlier has no effect. A call of 1, 2 or 3 may change that time: ask for it again.
+/// 3. [`advance`](Self::advance) to let it fly. In real time `until` is the vehicle time that the clock has come to; in
+///    lockstep it is [`released_until`](Self::released_until), and there is nothing to fly while that is none.
+/// 4. [`poll_transmit`](Self::poll_transmit) after each of 1, 2 and 3, until it gives none: what is not fetched is not lost,
+///    but its receiver waits for it. Frames to one peer are packed together, so poll after a whole batch of inputs rather
+///    than between them.
+///
+/// Times never run backwards: a host time before the last one counts as the last one. Nothing that a peer sends makes a
+/// call fail or panic.
+///
+/// # Examples
+///
+/// Without peers, a second of flight:
 ///
 /// ```
 /// use sim_vehicle::{Vehicle, VehicleSettings};
@@ -33,6 +54,25 @@ use std::time::Duration;
 /// assert!((vehicle.state().x_m - 10.0).abs() < 1e-9);
 /// # Ok::<(), sim_vehicle::SettingsError>(())
 /// ```
+///
+/// With a peer, which is told who and where the vehicle is as soon as it says anything:
+///
+/// ```
+/// use mavlink_bridge::{Encoder, telemetry::ground_heartbeat};
+/// use sim_vehicle::{PeerId, Vehicle, VehicleSettings};
+/// use std::time::Duration;
+///
+/// let mut vehicle = Vehicle::new(VehicleSettings { ground: None, ..VehicleSettings::default() })?;
+/// let peer = PeerId::from(([127, 0, 0, 1], 14550));
+/// let mut datagram = Vec::new();
+/// Encoder::new(255, 190).encode(&ground_heartbeat(), &mut datagram);
+/// vehicle.handle(Duration::ZERO, &datagram, peer);
+///
+/// let answer = vehicle.poll_transmit().expect("a new peer is answered");
+/// assert_eq!(answer.to, peer);
+/// assert!(vehicle.poll_transmit().is_none());
+/// # Ok::<(), sim_vehicle::SettingsError>(())
+/// ```
 #[derive(Debug)]
 pub struct Vehicle {
     component: Component,
@@ -43,13 +83,19 @@ pub struct Vehicle {
 
 impl Vehicle {
     /// A vehicle whose time follows the host's.
+    ///
+    /// # Errors
+    /// A setting is out of its range, a parameter is not the vehicle's or out of its range, or a plan makes no sense.
     pub fn new(settings: VehicleSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Self::start(settings, None)
     }
 
-    /// A vehicle whose time moves on by one control period for each setpoint that carries its stamp. It first says where
-    /// it is at time zero.
+    /// A vehicle whose time moves on by one control period for each setpoint that carries its stamp. It first says
+    /// where it is at time zero.
+    ///
+    /// # Errors
+    /// The same, and a control period that is not a whole number of milliseconds and of integration steps.
     pub fn in_lockstep(settings: VehicleSettings, lockstep: LockstepSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         lockstep.validate(settings.step)?;
@@ -105,12 +151,15 @@ impl Vehicle {
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.
+    ///
+    /// # Errors
+    /// The mode is not GUIDED, or the setpoint is not finite: then nothing is changed.
     pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointError> {
         self.component.autopilot.command(setpoint)
     }
 
-    /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to `track`.
-    /// Telemetry that falls due on the way is queued. In lockstep it goes no further than
+    /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to
+    /// `track`. Telemetry that falls due on the way is queued. In lockstep it goes no further than
     /// [`released_until`](Self::released_until).
     pub fn advance(&mut self, until: Duration, track: &mut Vec<State>) {
         let Some(lockstep) = &self.lockstep else {
@@ -132,8 +181,8 @@ impl Vehicle {
         }
     }
 
-    /// In lockstep, the vehicle time to which the setpoint in hand lets it fly; none while it waits for one, and none in
-    /// real time.
+    /// In lockstep, the vehicle time to which the setpoint in hand lets it fly; none while it waits for one, and none
+    /// in real time.
     pub fn released_until(&self) -> Option<Duration> {
         self.lockstep.as_ref()?.released_until(self.component.autopilot.time())
     }
@@ -184,8 +233,8 @@ impl Vehicle {
         self.component.autopilot.flight.is_armed()
     }
 
-    /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
-    /// station or its GPS is missing, its battery is low, its engine has failed.
+    /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its
+    /// ground station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
         self.component.autopilot.is_in_failsafe()
     }

@@ -8,8 +8,8 @@ use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 
 impl Autopilot {
-    /// Does what is proposed. The proposals of a step come one after the other, each made in the mode that the one before
-    /// has left: so the last one has the last word, as in ArduPlane.
+    /// Does what is proposed. The proposals of a step come one after the other, each made in the mode that the one
+    /// before has left: so the last one has the last word, as in ArduPlane.
     pub(super) fn act(&mut self, proposal: Proposal) {
         let Proposal { cause, action, text } = proposal;
         if cause != Cause::FenceOff {

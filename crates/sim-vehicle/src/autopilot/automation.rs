@@ -1,5 +1,5 @@
-//! What a PX4 does with its modes by itself (`Commander.cpp`): Hold after a take-off, another mode after a landing, disarming
-//! where it is armed and does not fly.
+//! What a PX4 does with its modes by itself (`Commander.cpp`): Hold after a take-off, another mode after a landing,
+//! disarming where it is armed and does not fly.
 
 use super::Autopilot;
 use super::habits::ends_a_flight;

@@ -106,8 +106,8 @@ impl Autopilot {
         Ok(self.reference().above_origin_m(datum, f64::from(z)))
     }
 
-    /// Param 1: course over ground (0), heading (1), or neither any more (2). Param 2: degrees. Param 3: greatest lateral
-    /// acceleration in m/s2, at least 0.05, and never more than the vehicle's own limit.
+    /// Param 1: course over ground (0), heading (1), or neither any more (2). Param 2: degrees. Param 3: greatest
+    /// lateral acceleration in m/s2, at least 0.05, and never more than the vehicle's own limit.
     pub(crate) fn guided_heading(&mut self, [kind, course_deg, lateral_mps2]: [f32; 3]) -> Result<(), CommandError> {
         self.check_guided_command("Heading")?;
         check_finite("Heading", &[kind, course_deg, lateral_mps2])?;
@@ -141,8 +141,8 @@ impl Autopilot {
         Ok(())
     }
 
-    /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s, or -2 for AIRSPEED_CRUISE. Param 3: a throttle in percent,
-    /// which has no effect on how this flight model flies.
+    /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s, or -2 for AIRSPEED_CRUISE. Param 3: a throttle in
+    /// percent, which has no effect on how this flight model flies.
     pub(crate) fn change_speed(&mut self, [kind, speed_mps, throttle_percent]: [f32; 3]) -> Result<(), CommandError> {
         if self.mode() != Mode::Auto {
             self.check_guided_command("Speed")?;

@@ -55,7 +55,8 @@ impl Reference<'_> {
     }
 }
 
-/// What the altitude of an item is measured from; none in a frame that is not taken. In the mission's own it is the sea.
+/// What the altitude of an item is measured from; none in a frame that is not taken. In the mission's own it is the
+/// sea.
 pub(crate) fn datum_of(item: &PlanItem) -> Option<AltitudeDatum> {
     /// MAV_FRAME_MISSION.
     const MISSION: u8 = 2;

@@ -1,7 +1,8 @@
 //! The autopilot: how it flies, what it watches over and what it does about it.
 //!
-//! It names no message. What others are to be told it puts into a queue of [`Event`](event::Event)s, from which the vehicle
-//! makes messages. Its parts own their fields: who watches over something proposes, and the [`arbiter`] alone acts.
+//! It names no message. What others are to be told it puts into a queue of [`Event`](event::Event)s, from which the
+//! vehicle makes messages. Its parts own their fields: who watches over something proposes, and the [`arbiter`] alone
+//! acts.
 
 mod arbiter;
 pub(crate) mod arming;
@@ -80,8 +81,12 @@ pub(crate) struct Autopilot {
 
 impl Autopilot {
     pub fn new(settings: &VehicleSettings, is_in_lockstep: bool) -> Self {
-        let rules = settings.personality.rules();
-        let parameters = Parameters::new(settings);
+        Self::with_rules(settings.personality.rules(), settings, is_in_lockstep)
+    }
+
+    /// The same, with the rules of an autopilot that may be none of [`Personality`](crate::Personality).
+    pub fn with_rules(rules: &'static Rules, settings: &VehicleSettings, is_in_lockstep: bool) -> Self {
+        let parameters = Parameters::with_rules(rules, settings);
         let first = if settings.on_ground { Mode::Manual } else { settings.mode };
         Self {
             rules,
@@ -110,8 +115,8 @@ impl Autopilot {
         self.restart_setpoint_timeout();
     }
 
-    /// As it was switched on, where it stands: parameters and plans are kept, and all that has been told it since is gone.
-    /// Its time goes on, for the clock does.
+    /// As it was switched on, where it stands: parameters and plans are kept, and all that has been told it since is
+    /// gone. Its time goes on, for the clock does.
     pub fn reboot(&mut self) {
         self.session = Session::default();
         self.set_mode(self.boot_mode);
@@ -298,7 +303,8 @@ impl Autopilot {
         self.counters.setpoints_accepted += 1;
     }
 
-    /// Counts a setpoint that is not followed, and says why: setpoints come in streams, one word in five seconds is enough.
+    /// Counts a setpoint that is not followed, and says why: setpoints come in streams, one word in five seconds is
+    /// enough.
     pub fn refuse_setpoint(&mut self, severity: Severity, text: &str) {
         self.counters.setpoints_refused += 1;
         if !self.session.timers.is_running(Timer::QuietSetpoints, self.time) {
@@ -370,8 +376,8 @@ impl Autopilot {
         }
     }
 
-    /// Takes a plan whose items have been checked one by one, or says why it makes no sense as a whole. `anew` tells that
-    /// it is another one, and not the old one with some items changed.
+    /// Takes a plan whose items have been checked one by one, or says why it makes no sense as a whole. `anew` tells
+    /// that it is another one, and not the old one with some items changed.
     pub fn replace_plan(&mut self, kind: PlanKind, items: Vec<PlanItem>, anew: bool) -> Result<(), PlanError> {
         match kind {
             PlanKind::Mission => {

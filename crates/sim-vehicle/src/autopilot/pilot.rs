@@ -3,8 +3,8 @@
 use super::Autopilot;
 use crate::parameters::table::Parameter;
 
-/// Where MANUAL_CONTROL holds the sticks. x is forward, which is nose down, y right, r yaw, each -1000 to 1000; z throttle, 0
-/// to 1000; 32767: not held.
+/// Where MANUAL_CONTROL holds the sticks. x is forward, which is nose down, y right, r yaw, each -1000 to 1000; z
+/// throttle, 0 to 1000; 32767: not held.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ManualControl {
     pub x: i16,

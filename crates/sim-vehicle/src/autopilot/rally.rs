@@ -20,8 +20,8 @@ pub(crate) struct Rally {
     items: Vec<PlanItem>,
 }
 
-/// Whether an item can be a rally point; the result code that says why not, in ArduPilot's order. It keeps altitudes in 16
-/// bits.
+/// Whether an item can be a rally point; the result code that says why not, in ArduPilot's order. It keeps altitudes in
+/// 16 bits.
 pub(crate) fn check(item: &PlanItem) -> Result<(), PlanError> {
     let altitudes_m = f32::from(i16::MIN)..=f32::from(i16::MAX);
     if item.command != RALLY_POINT {

@@ -5,7 +5,8 @@ use flight_model::State;
 use std::time::Duration;
 
 impl Autopilot {
-    /// One integration step, which ends at `time`, and all that is looked at after it. The state is appended to `track`.
+    /// One integration step, which ends at `time`, and all that is looked at after it. The state is appended to
+    /// `track`.
     pub fn step(&mut self, time: Duration, track: &mut Vec<State>) {
         self.live();
         self.step_flight();

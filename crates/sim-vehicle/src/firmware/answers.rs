@@ -37,8 +37,8 @@ pub(crate) fn change_mode(autopilot: &mut Autopilot, mode: Mode) -> Result<(), C
     }
 }
 
-/// Whether PREFLIGHT_REBOOT_SHUTDOWN starts the vehicle anew. Param 1: 1 to start anew, or 3, for a boot loader that there is
-/// none of.
+/// Whether PREFLIGHT_REBOOT_SHUTDOWN starts the vehicle anew. Param 1: 1 to start anew, or 3, for a boot loader that
+/// there is none of.
 pub(crate) fn check_reboot(rules: &Rules, is_armed: bool, p1: f32) -> Result<bool, CommandError> {
     let is_px4 = rules.commands == CommandSet::Px4;
     if is_armed {

@@ -1,4 +1,5 @@
-//! What differs between autopilots, by name: one const each. What is not here is the same for all of them, and ArduPlane's.
+//! What differs between autopilots, by name: one const each. What is not here is the same for all of them, and
+//! ArduPlane's.
 
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
@@ -84,8 +85,8 @@ pub(crate) struct Rules {
     pub tells_arming_reason: bool,
     /// Whether any ground station moves the sticks and is listened for; otherwise the one of MAV_GCS_SYSID.
     pub any_ground_station: bool,
-    /// Whether setpoints in Offboard, sticks and the ground station are watched as a PX4 does, TAKEOFF ends in Hold, and it
-    /// disarms idle.
+    /// Whether setpoints in Offboard, sticks and the ground station are watched as a PX4 does, TAKEOFF ends in Hold,
+    /// and it disarms idle.
     pub watches_streams: bool,
 
     // Missions.

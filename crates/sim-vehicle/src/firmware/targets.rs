@@ -113,8 +113,8 @@ impl PositionTarget {
 const PLACE: Mask = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE.union(Mask::POSITION_TARGET_TYPEMASK_Y_IGNORE);
 
 /// Flies a target: a place, along a line through a place in the direction of the velocity, or with a velocity; at an
-/// altitude or with a rate of climb. What it does not ask for stays as it is. From the ground, armed, it takes off where
-/// the target is higher.
+/// altitude or with a rate of climb. What it does not ask for stays as it is. From the ground, armed, it takes off
+/// where the target is higher.
 pub(super) fn fly_target(autopilot: &mut Autopilot, target: &PositionTarget) {
     // A velocity of zero has no direction.
     let velocity_mps = target.velocity_mps.filter(|velocity| *velocity != (0.0, 0.0));

@@ -1,5 +1,5 @@
-//! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an autopilot
-//! has them for each of its ports.
+//! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an
+//! autopilot has them for each of its ports.
 
 mod texts;
 
@@ -30,7 +30,8 @@ pub struct Transmit {
 pub(crate) const DATAGRAM_BYTES_MAX: usize = 1200;
 /// A peer that says nothing for so long is forgotten (the ground address never is).
 pub(crate) const SILENCE_MAX: Duration = Duration::from_secs(30);
-/// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of them.
+/// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of
+/// them.
 pub(crate) const LINKS_MAX: usize = 64;
 
 #[derive(Debug)]
@@ -181,8 +182,8 @@ impl Links {
         (index, true)
     }
 
-    /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred vehicles
-    /// at once tell a client more than it can read.
+    /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred
+    /// vehicles at once tell a client more than it can read.
     pub fn slow_down(&mut self, index: usize) {
         const WHILE: Duration = Duration::from_secs(1);
         self.links[index].slow_until = self.now + WHILE;

@@ -20,8 +20,8 @@ impl Parameters {
     }
 }
 
-/// Sets parameters, the ranges of some of which depend on others, in whatever order they are given. What is not taken in
-/// the end is given back, with the reason.
+/// Sets parameters, the ranges of some of which depend on others, in whatever order they are given. What is not taken
+/// in the end is given back, with the reason.
 pub(crate) fn in_any_order(
     mut left: Vec<(Parameter, &ParameterEntry)>,
     mut set: impl FnMut(Parameter, f32) -> Result<(), ParameterError>,

@@ -104,8 +104,8 @@ pub(crate) struct ParameterEntry {
 }
 
 impl ParameterEntry {
-    /// The type of an inert parameter. ArduPilot's files state none; values are floats on ArduPilot's wire, whatever the
-    /// type. PX4 knows two, and writes real numbers with a point.
+    /// The type of an inert parameter. ArduPilot's files state none; values are floats on ArduPilot's wire, whatever
+    /// the type. PX4 knows two, and writes real numbers with a point.
     pub fn kind_for(&self, rules: &Rules) -> MavParamType {
         if rules.tells_whole_numbers_as_floats {
             return REAL;
@@ -368,7 +368,8 @@ mod tests {
 
     #[test]
     fn qgroundcontrols_columns_state_types() {
-        let text = "# Onboard parameters for Vehicle 1\n#\n1\t1\tBAT1_N_CELLS\t3\t6\n1\t1\tFW_P_TC\t0.400000005960464478\t9\n1\t100\tCAM_MODE\t1\t6\n";
+        let text = "# Onboard parameters for Vehicle 1\n#\n1\t1\tBAT1_N_CELLS\t3\t6\n\
+                    1\t1\tFW_P_TC\t0.400000005960464478\t9\n1\t100\tCAM_MODE\t1\t6\n";
         let entries = read(text).unwrap();
         assert_eq!(values(&entries), [("BAT1_N_CELLS", 3.0), ("FW_P_TC", 0.400_000_005_960_464_5)]);
         assert_eq!([0, 1].map(|index| entries[index].kind_for(Personality::Px4.rules())), [INT32, REAL]);

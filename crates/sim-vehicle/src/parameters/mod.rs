@@ -1,7 +1,7 @@
 //! The vehicle's parameters: names, types, ranges and values, in ArduPlane 4.7's vocabulary.
 //!
-//! Every parameter of the table acts. A parameter file may bring others, which are inert: clients list, read and set them,
-//! and they change nothing.
+//! Every parameter of the table acts. A parameter file may bring others, which are inert: clients list, read and set
+//! them, and they change nothing.
 
 pub(crate) mod check;
 pub(crate) mod defaults;
@@ -44,7 +44,11 @@ pub(crate) struct Parameters {
 impl Parameters {
     /// What the settings amount to.
     pub fn new(settings: &VehicleSettings) -> Self {
-        let rules = settings.personality.rules();
+        Self::with_rules(settings.personality.rules(), settings)
+    }
+
+    /// The same of an autopilot of its own rules.
+    pub fn with_rules(rules: &'static Rules, settings: &VehicleSettings) -> Self {
         let limits = settings.dynamics.limits;
         let model = ModelBounds {
             speed_min_mps: limits.speed_min_mps as f32,

@@ -122,8 +122,8 @@ impl<'a> Charge<'a> {
     }
 }
 
-/// BATTERY_STATUS (<https://mavlink.io/en/messages/common.html#BATTERY_STATUS>) of the whole battery in its first cell, as
-/// ArduPilot's monitor of voltage and current has it.
+/// BATTERY_STATUS (<https://mavlink.io/en/messages/common.html#BATTERY_STATUS>) of the whole battery in its first cell,
+/// as ArduPilot's monitor of voltage and current has it.
 pub fn battery_status(charge: Option<Charge<'_>>, level: BatteryLevel) -> Message {
     let mut voltages = [u16::MAX; 10];
     voltages[0] = charge.map_or(u16::MAX, |charge| charge.millivolts());

@@ -114,8 +114,8 @@ impl Stream {
         Self::ALL.into_iter().find(|stream| stream.message_id() == id)
     }
 
-    /// The rate at which this stream comes by default, Hz; none if it comes only when it is asked for. Streams that share
-    /// one are a group of ArduPlane's.
+    /// The rate at which this stream comes by default, Hz; none if it comes only when it is asked for. Streams that
+    /// share one are a group of ArduPlane's.
     fn default_rate_hz<'a>(self, rates: &'a mut TelemetryRates, rules: &Rules) -> Option<&'a mut f64> {
         if let Some((_, rate)) = rules.more_streams.iter().find(|(stream, _)| *stream == self) {
             return Some(rate(rates));

@@ -50,8 +50,8 @@ impl World {
         }
     }
 
-    /// The air of the step that begins at `time`, for a vehicle in a state: the wind, and the wind that its autopilot reckons
-    /// with while no GPS tells where the air carries it.
+    /// The air of the step that begins at `time`, for a vehicle in a state: the wind, and the wind that its autopilot
+    /// reckons with while no GPS tells where the air carries it.
     pub fn blow(
         &mut self,
         parameters: &Parameters,
@@ -68,8 +68,8 @@ impl World {
         (self.weather.wind(), (!sees_ground).then(|| self.weather.estimate()))
     }
 
-    /// What flying costs in that step: the battery drains by a share of the greatest power, and the barometer drifts. Gives
-    /// whether the engine works, of which a share of the greatest power is needed.
+    /// What flying costs in that step: the battery drains by a share of the greatest power, and the barometer drifts.
+    /// Gives whether the engine works, of which a share of the greatest power is needed.
     pub fn drain(&mut self, parameters: &Parameters, step: Duration, power: f64, power_needed: f64) -> bool {
         let step_s = step.as_secs_f64();
         let battery = BatterySettings::of(parameters);

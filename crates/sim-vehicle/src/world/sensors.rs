@@ -63,7 +63,8 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// What the sensors measure of a motion at a tick, when the barometer has drifted by so much and the origin is so high.
+    /// What the sensors measure of a motion at a tick, when the barometer has drifted by so much and the origin is so
+    /// high.
     pub fn take(
         motion: &Motion,
         settings: &SensorSettings,

@@ -53,8 +53,8 @@ impl BatteryWatch {
         self.level
     }
 
-    /// A level is reached when the charge is too low, or the voltage for longer than BATT_LOW_TIMER. When all is well again
-    /// the level is left; the mode stays.
+    /// A level is reached when the charge is too low, or the voltage for longer than BATT_LOW_TIMER. When all is well
+    /// again the level is left; the mode stays.
     pub fn check(&mut self, now: &Situation<'_>, timers: &mut Timers, events: &mut Events) -> Option<Proposal> {
         if !now.is_armed() || now.get(Parameter::BatteryMonitor) == 0.0 {
             self.level = BatteryLevel::Ok;

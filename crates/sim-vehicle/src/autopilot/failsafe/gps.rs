@@ -1,5 +1,5 @@
-//! A GPS that is lost. As ArduPlane, the vehicle reckons on with its airspeed, its heading and the wind that it knew, and so
-//! goes astray by what the wind changes and the gusts carry; with a fix it knows again where it is.
+//! A GPS that is lost. As ArduPlane, the vehicle reckons on with its airspeed, its heading and the wind that it knew,
+//! and so goes astray by what the wind changes and the gusts carry; with a fix it knows again where it is.
 
 use super::proposal::{Action, Cause, Proposal};
 use crate::autopilot::event::Events;

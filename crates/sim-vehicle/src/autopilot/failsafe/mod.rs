@@ -1,5 +1,5 @@
-//! What is watched over: setpoints, the ground station, charge, a GPS, an engine, the wind. What is missing is said aloud when
-//! that begins and when it ends. A watch only proposes; the [arbiter](super::arbiter) acts.
+//! What is watched over: setpoints, the ground station, charge, a GPS, an engine, the wind. What is missing is said
+//! aloud when that begins and when it ends. A watch only proposes; the [arbiter](super::arbiter) acts.
 
 pub(crate) mod battery;
 mod engine;

@@ -1,5 +1,5 @@
-//! What a PX4 must hear to go on: setpoints in Offboard, a hand on the sticks in the modes that they fly, a ground station
-//! (`failsafe.cpp`, `offboardCheck.cpp`).
+//! What a PX4 must hear to go on: setpoints in Offboard, a hand on the sticks in the modes that they fly, a ground
+//! station (`failsafe.cpp`, `offboardCheck.cpp`).
 
 use super::proposal::{Action, Cause, Proposal};
 use crate::autopilot::event::Events;

@@ -28,8 +28,8 @@ impl Area {
         self.inclusions.is_empty() && self.exclusions.is_empty()
     }
 
-    /// Whether a place is forbidden: in an exclusion, or outside one of the inclusions, or, where the inclusions are one
-    /// union, outside all of them.
+    /// Whether a place is forbidden: in an exclusion, or outside one of the inclusions, or, where the inclusions are
+    /// one union, outside all of them.
     pub fn forbids(&self, place: Place, inclusions_are_one: bool) -> bool {
         if self.exclusions.iter().any(|shape| shape.contains(place)) {
             return true;
@@ -116,7 +116,9 @@ mod tests {
     proptest! {
         /// Any polygon, crossing itself or not: inside where it goes round an odd number of times.
         #[test]
-        fn inside_is_where_it_goes_round_an_odd_number_of_times(corners in corners(), place in (-120.0..120.0f64, -120.0..120.0f64)) {
+        fn inside_is_where_it_goes_round_an_odd_number_of_times(
+            corners in corners(), place in (-120.0..120.0f64, -120.0..120.0f64),
+        ) {
             prop_assert_eq!(polygon(&corners).contains(place), turns(&corners, place) % 2 != 0);
         }
 
@@ -137,7 +139,8 @@ mod tests {
         /// Neighbours share edges, and every place is in one of them: none falls between, none is in both.
         #[test]
         fn a_place_on_a_common_edge_is_on_one_side_of_it(place in (-10.0..10.0f64, -10.0..10.0f64), on_edge in 0..3u8) {
-            let (west, east) = ([(-11.0, -11.0), (11.0, -11.0), (11.0, 0.0), (-11.0, 0.0)], [(-11.0, 0.0), (11.0, 0.0), (11.0, 11.0), (-11.0, 11.0)]);
+            let west = [(-11.0, -11.0), (11.0, -11.0), (11.0, 0.0), (-11.0, 0.0)];
+            let east = [(-11.0, 0.0), (11.0, 0.0), (11.0, 11.0), (-11.0, 11.0)];
             let place = if on_edge == 0 { (place.0, 0.0) } else { place };
             prop_assert!(polygon(&west).contains(place) != polygon(&east).contains(place));
         }

@@ -18,7 +18,8 @@ const CIRCLE_EXCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION as u32 
 /// Most corners of one polygon.
 const CORNERS_MAX: f32 = 255.0;
 
-/// Whether an item can be part of a fence; the result code that says why not. Param 1 is a number of corners or a radius.
+/// Whether an item can be part of a fence; the result code that says why not. Param 1 is a number of corners or a
+/// radius.
 pub(crate) fn check(item: &PlanItem) -> Result<(), PlanError> {
     if item.altitude_datum().is_none() {
         return Err(PlanError::UnsupportedFrame);

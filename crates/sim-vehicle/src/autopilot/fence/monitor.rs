@@ -213,8 +213,8 @@ impl FenceMonitor {
         }
     }
 
-    /// An altitude, m above the origin, within the altitudes that count: who returned at the altitude of the breach would
-    /// stay outside for ever.
+    /// An altitude, m above the origin, within the altitudes that count: who returned at the altitude of the breach
+    /// would stay outside for ever.
     pub fn within_altitudes_m(&self, wanted_m: f64, now: &Situation<'_>) -> f64 {
         let (least_m, most_m) = altitudes_inside_m(now.parameters);
         let home_m = now.flight.home().altitude_m;
@@ -296,7 +296,8 @@ impl FenceMonitor {
         goes_on.then(|| Proposal::new(Cause::FenceOff, Action::Mode(recovery.before)))
     }
 
-    /// On the ground and on the way down to it the least altitude does not count, and with FENCE_AUTOENABLE 1 nothing does.
+    /// On the ground and on the way down to it the least altitude does not count, and with FENCE_AUTOENABLE 1 nothing
+    /// does.
     fn rest(&mut self, by_itself: f32, parameters: &Parameters, events: &mut Events) {
         let mut kinds = if by_itself == AFTER_TAKEOFF { ALL } else { MIN_ALTITUDE };
         if self.floor == Floor::On {
@@ -330,7 +331,8 @@ impl FenceMonitor {
         changed
     }
 
-    /// Looks where the vehicle is, with its altitude above home. Gives the kinds that it has breached just now, or anew.
+    /// Looks where the vehicle is, with its altitude above home. Gives the kinds that it has breached just now, or
+    /// anew.
     fn look(&mut self, state: &State, home: Place, fence: &Fence, parameters: &Parameters) -> Kinds {
         let outside = self.outside(state, home, fence, parameters);
         let mut fresh = outside & !self.breached;

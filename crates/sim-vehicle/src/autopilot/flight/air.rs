@@ -1,5 +1,5 @@
-//! Air that moves. Speeds that are held are airspeeds, courses are over ground; in still air both are the same, to the last
-//! bit.
+//! Air that moves. Speeds that are held are airspeeds, courses are over ground; in still air both are the same, to the
+//! last bit.
 
 use flight_model::{Dynamics, Setpoint, State, Wind, wrap_pi};
 
@@ -29,8 +29,8 @@ impl Air {
         Self { outside: wind, ..Self::at(state) }
     }
 
-    /// The air of the next step in the air; gives the rate of climb, m/s, that a gust from below adds. `known` is the wind
-    /// that the autopilot reckons with; none: it sees its way over ground.
+    /// The air of the next step in the air; gives the rate of climb, m/s, that a gust from below adds. `known` is the
+    /// wind that the autopilot reckons with; none: it sees its way over ground.
     pub fn feel(&mut self, wind: Wind, known: Option<Wind>) -> f64 {
         self.outside = wind;
         let lifted_mps = wind.up_mps - self.wind.up_mps;
@@ -52,8 +52,8 @@ impl Air {
         state.in_air(&self.wind)
     }
 
-    /// Where and how fast a vehicle in a state believes to be: there, unless it has to reckon with a wind that it does not
-    /// see.
+    /// Where and how fast a vehicle in a state believes to be: there, unless it has to reckon with a wind that it does
+    /// not see.
     pub fn estimate(&self, state: &State) -> State {
         let (north_m, east_m) = self.astray_m;
         if self.known == self.wind && (north_m, east_m) == (0.0, 0.0) {
@@ -92,9 +92,9 @@ impl Air {
         self.astray_m.1 += step_s * (self.known.east_mps - self.wind.east_mps);
     }
 
-    /// A setpoint of what is wanted as airspeed and heading, by the wind triangle. The heading lags behind its setpoint by the
-    /// time constant of its loop: the airspeed of then counts, or each gust would turn the course while the airspeed
-    /// settles.
+    /// A setpoint of what is wanted as airspeed and heading, by the wind triangle. The heading lags behind its setpoint
+    /// by the time constant of its loop: the airspeed of then counts, or each gust would turn the course while the
+    /// airspeed settles.
     pub fn through(&self, setpoint: &Setpoint, wanted: Wanted, airspeed_mps: f64, dynamics: &Dynamics) -> Setpoint {
         let known = self.known;
         if known.north_mps == 0.0 && known.east_mps == 0.0 {

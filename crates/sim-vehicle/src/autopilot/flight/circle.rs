@@ -5,11 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 
 /// A circle to fly, clockwise seen from above (as ArduPlane's default) or the other way round.
 ///
-/// Outside and inside the circle the field points back to it: the wanted course is the tangent turned by
-/// atan(rate * (distance - radius) / V), so that close by the distance settles with one rate whatever the speed and the
-/// radius. That rate is 1/(4 tau) of the course loop, which damps the two together critically. The course loop lags
-/// behind a turning setpoint by a time (tau, and half a step for the setpoint being held over it) times the rate of turn:
-/// the turn of the circle is fed forward.
+/// Outside and inside the circle the field points back to it: the wanted course is the tangent turned by atan(rate *
+/// (distance - radius) / V), so that close by the distance settles with one rate whatever the speed and the radius.
+/// That rate is 1/(4 tau) of the course loop, which damps the two together critically. The course loop lags behind a
+/// turning setpoint by a time (tau, and half a step for the setpoint being held over it) times the rate of turn: the
+/// turn of the circle is fed forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Circle {
     centre: (f64, f64),
@@ -21,8 +21,8 @@ pub(crate) struct Circle {
 }
 
 impl Circle {
-    /// The circle of `radius_m` round (north, east), anticlockwise if that is below zero, widened if the vehicle could not turn so tightly at its top speed.
-    /// The course setpoint will be asked for every `step_s` seconds.
+    /// The circle of `radius_m` round (north, east), anticlockwise if that is below zero, widened if the vehicle could
+    /// not turn so tightly at its top speed. The course setpoint will be asked for every `step_s` seconds.
     pub fn new(centre: (f64, f64), radius_m: f64, dynamics: &Dynamics, step_s: f64) -> Self {
         let limits = dynamics.limits;
         let tau_s = dynamics.time_constants.course_s;
@@ -88,12 +88,14 @@ mod tests {
             speed in 5.0..15.0f64, radius in 20.0..100.0f64, turn in prop::sample::select(vec![-1.0, 1.0]),
         ) {
             let circle = Circle::new((0.0, 0.0), turn * radius, &Dynamics::default(), 0.01);
-            let start = State { x_m: x, y_m: y, course_rad: course, speed_mps: speed, altitude_m: 50.0, climb_mps: 0.0 };
+            let start =
+                State { x_m: x, y_m: y, course_rad: course, speed_mps: speed, altitude_m: 50.0, climb_mps: 0.0 };
             let track = fly(&circle, start, 150);
             for state in &track[12_000..] {
                 prop_assert!((distance(state) - radius).abs() < 0.05, "{}", distance(state));
                 // Clockwise: north turns to east.
-                prop_assert!(turn * (state.x_m * libm::sin(state.course_rad) - state.y_m * libm::cos(state.course_rad)) > 0.0);
+                let (sin, cos) = libm::sincos(state.course_rad);
+                prop_assert!(turn * (state.x_m * sin - state.y_m * cos) > 0.0);
             }
         }
     }

@@ -185,8 +185,8 @@ impl Flight {
         &self.tuning
     }
 
-    /// Where and how fast the vehicle believes to be: its true state, unless it has to reckon with a wind that it does not
-    /// see.
+    /// Where and how fast the vehicle believes to be: its true state, unless it has to reckon with a wind that it does
+    /// not see.
     pub fn estimate(&self) -> State {
         self.air.estimate(&self.state)
     }
@@ -243,7 +243,8 @@ impl Flight {
         (share * share * share).clamp(0.0, 1.0)
     }
 
-    /// Power that the motor gives, as a share of its greatest: drag grows with the cube of the airspeed, and a climb costs.
+    /// Power that the motor gives, as a share of its greatest: drag grows with the cube of the airspeed, and a climb
+    /// costs.
     pub fn power_share(&self) -> f64 {
         let limits = self.dynamics.limits;
         let speed = self.airspeed_mps() / limits.speed_max_mps;

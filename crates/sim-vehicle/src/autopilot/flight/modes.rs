@@ -20,8 +20,8 @@ impl Flight {
         }
     }
 
-    /// Starts the engine. From the rail it leaves with the start's speed and course; on the ground it stays until its mode
-    /// takes off.
+    /// Starts the engine. From the rail it leaves with the start's speed and course; on the ground it stays until its
+    /// mode takes off.
     pub fn arm(&mut self) {
         if self.armed {
             return;
@@ -77,8 +77,8 @@ impl Flight {
         }
     }
 
-    /// Flies by other parameters from now on: a circle whose radius has changed is flown with the new one where it is. In
-    /// AUTO the mission says how wide.
+    /// Flies by other parameters from now on: a circle whose radius has changed is flown with the new one where it is.
+    /// In AUTO the mission says how wide.
     pub fn retune(&mut self, tuning: Tuning) {
         let old_radius_m = self.radius_m();
         self.tuning = tuning;

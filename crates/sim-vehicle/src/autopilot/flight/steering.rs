@@ -28,7 +28,8 @@ impl Flight {
         self.altitude = Ramp { value, target: altitude_m, per_step: rate_mps * self.autopilot.step_s() };
     }
 
-    /// Altitude setpoint of a guided command, as [`set_altitude`](Self::set_altitude); known as such until the next one.
+    /// Altitude setpoint of a guided command, as [`set_altitude`](Self::set_altitude); known as such until the next
+    /// one.
     pub fn slew_altitude(&mut self, altitude_m: f64, rate_mps: f64) {
         self.set_altitude(altitude_m, rate_mps);
         self.altitude_is_slewed = true;

@@ -222,8 +222,8 @@ impl Autopilot {
         };
     }
 
-    /// Whether it is on the ground and the item is a place in the air: a PX4 takes off first, where an ArduPlane waits for a
-    /// take-off that does not come.
+    /// Whether it is on the ground and the item is a place in the air: a PX4 takes off first, where an ArduPlane waits
+    /// for a take-off that does not come.
     fn stands_before(&self, item: &PlanItem) -> bool {
         self.rules.takes_off_before_mission
             && self.flight.is_on_ground()

@@ -29,14 +29,15 @@ pub(super) const GO_AROUND: u16 = MavCmd::MAV_CMD_DO_GO_AROUND as u32 as u16;
 pub(super) const TAG: u16 = MavCmd::MAV_CMD_JUMP_TAG as u32 as u16;
 pub(super) const JUMP_TO_TAG: u16 = MavCmd::MAV_CMD_DO_JUMP_TAG as u32 as u16;
 
-/// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are none
-/// while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.
+/// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are
+/// none while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.
 const WITHOUT_EFFECT: [u16; 40] = [
     92, 93, 112, 114, 115, 181, 182, 183, 184, 193, 194, 195, 197, 201, 202, 203, 205, 206, 208, 210, 211, 212, 215,
     216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 3000, 42600, 42702, 42703,
 ];
 
-/// The same of a PX4 (`mavlink_mission.cpp`), beyond those: regions of interest, cameras, mounts, gimbals, actuators, gates.
+/// The same of a PX4 (`mavlink_mission.cpp`), beyond those: regions of interest, cameras, mounts, gimbals, actuators,
+/// gates.
 const WITHOUT_EFFECT_BUT_TO_ARDUPLANE: [u16; 12] = [80, 187, 196, 198, 200, 204, 214, 260, 530, 1001, 2003, 4501];
 
 /// Whether an item has a place, as ArduPilot stores it.

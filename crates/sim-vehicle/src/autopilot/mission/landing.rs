@@ -114,7 +114,8 @@ impl Autopilot {
         placed.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(seq, _)| seq)
     }
 
-    /// The end of the leg, from one place to the next after a DO_RETURN_PATH_START and up to a landing, that is nearest.
+    /// The end of the leg, from one place to the next after a DO_RETURN_PATH_START and up to a landing, that is
+    /// nearest.
     fn nearest_return_leg(&self) -> Option<u16> {
         let mut nearest: Option<(u16, f64)> = None;
         let mut from: Option<(f64, f64)> = None;

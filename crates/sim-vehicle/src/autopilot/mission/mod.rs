@@ -16,7 +16,8 @@ pub(crate) struct Mission {
 }
 
 impl Mission {
-    /// None, whose items will be flown from an index on: before anything is uploaded or cleared, an ArduPilot counts home.
+    /// None, whose items will be flown from an index on: before anything is uploaded or cleared, an ArduPilot counts
+    /// home.
     pub fn new(first: u16) -> Self {
         Self { items: vec![PlanItem::default(); usize::from(first)], first }
     }
@@ -25,7 +26,8 @@ impl Mission {
         &self.items
     }
 
-    /// The index of the first item that is flown: 1 where item 0 is home, as ArduPilot has it, whose contents do not count.
+    /// The index of the first item that is flown: 1 where item 0 is home, as ArduPilot has it, whose contents do not
+    /// count.
     pub fn first(&self) -> u16 {
         self.first
     }

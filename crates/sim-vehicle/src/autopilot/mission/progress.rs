@@ -57,8 +57,8 @@ impl Progress {
         self.from = None;
     }
 
-    /// The mission is another one (`whole`), or a changed one, with which AUTO goes on where it is. So it does with another
-    /// that takes the place of one under way, where the autopilot `resumes`.
+    /// The mission is another one (`whole`), or a changed one, with which AUTO goes on where it is. So it does with
+    /// another that takes the place of one under way, where the autopilot `resumes`.
     pub fn mission_changed(&mut self, mission: &Mission, whole: bool, resumes: bool) {
         let is_under_way = self.has_begun && !self.is_complete;
         let goes_on = resumes && is_under_way && mission.get(self.current).is_some();

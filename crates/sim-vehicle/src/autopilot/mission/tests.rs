@@ -28,8 +28,8 @@ fn item(vehicle: &Vehicle, command: u16, (x_m, y_m): Place, z_m: f32, radius_m: 
     }
 }
 
-/// Flies a mission until it is complete; where the vehicle was while each item was the current one, five times a second as
-/// a ground station sees it.
+/// Flies a mission until it is complete; where the vehicle was while each item was the current one, five times a second
+/// as a ground station sees it.
 fn fly(vehicle: &mut Vehicle, items: Vec<PlanItem>, patience_s: u64) -> Vec<Vec<Place>> {
     let count = items.len();
     vehicle.autopilot_mut().replace_plan(PlanKind::Mission, items, true).unwrap();
@@ -65,7 +65,8 @@ proptest! {
         let places: Vec<Place> =
             waypoints.iter().map(|((x, y), _)| (x * half_width_m, y * half_width_m)).collect();
         let mut items = vec![PlanItem::default()];
-        items.extend(places.iter().zip(&waypoints).map(|(at, (_, radius_m))| item(&vehicle, WAYPOINT, *at, 50.0, *radius_m)));
+        let waypoint = |(at, (_, radius_m)): (&Place, &(_, f32))| item(&vehicle, WAYPOINT, *at, 50.0, *radius_m);
+        items.extend(places.iter().zip(&waypoints).map(waypoint));
         let seen = fly(&mut vehicle, items, 2_000);
         // Where two are near each other, an item may begin and end between two looks.
         let track = seen.concat();

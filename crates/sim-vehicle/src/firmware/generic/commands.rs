@@ -1,5 +1,5 @@
-//! Commands of an autopilot in particular of none: take-off and landing beside ArduPlane's, and PX4's modes, as MAVSDK sets
-//! them.
+//! Commands of an autopilot in particular of none: take-off and landing beside ArduPlane's, and PX4's modes, as MAVSDK
+//! sets them.
 
 use super::{LAND, MODES};
 use crate::autopilot::Autopilot;

@@ -1,4 +1,5 @@
-//! What a PX4 answers to commands where an ArduPlane answers otherwise (`Commander::handle_command`, `navigator_main.cpp`).
+//! What a PX4 answers to commands where an ArduPlane answers otherwise (`Commander::handle_command`,
+//! `navigator_main.cpp`).
 //!
 //! What it is not able to do now is TEMPORARILY_REJECTED; on the ground and disarmed any mode can be set, and arming is
 //! what is refused.
@@ -196,8 +197,8 @@ fn reposition(autopilot: &mut Autopilot, command: &Command) -> Result<(), Comman
     Ok(())
 }
 
-/// DO_ORBIT, which a fixed wing flies as Hold. Param 1: radius in m, below zero anticlockwise. x, y: a place, or where it is.
-/// z: m above sea level, whatever the frame.
+/// DO_ORBIT, which a fixed wing flies as Hold. Param 1: radius in m, below zero anticlockwise. x, y: a place, or where
+/// it is. z: m above sea level, whatever the frame.
 fn orbit(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
     let radius_m = match command.params[0] {
         radius_m if radius_m.is_infinite() => return Err(CommandError::denied("Orbit: radius is not finite")),

@@ -1,6 +1,6 @@
 //! PX4 1.18 of a fixed wing, as <https://github.com/PX4/PX4-Autopilot> has it in `src/modules/commander` and
-//! `src/modules/mavlink`: what differs here, its modes, its commands, its offboard control and its parameters beside. What it
-//! watches over is in `autopilot/failsafe/streams.rs`, what it does by itself in `autopilot/habits.rs`.
+//! `src/modules/mavlink`: what differs here, its modes, its commands, its offboard control and its parameters beside.
+//! What it watches over is in `autopilot/failsafe/streams.rs`, what it does by itself in `autopilot/habits.rs`.
 
 pub(super) mod commands;
 pub(super) mod modes;

@@ -1,8 +1,8 @@
 //! What COMMAND_LONG and COMMAND_INT make the vehicle do, accepted and refused as ArduPlane does.
 //!
 //! Where it differs: param 3 of GUIDED_CHANGE_ALTITUDE is the rate of climb that it is documented to be (broken in
-//! ArduPlane since 4.6); terrain is as high as home; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; and of the params
-//! that a command reads, one that is not a finite number is DENIED.
+//! ArduPlane since 4.6); terrain is as high as home; DO_CHANGE_SPEED counts after GUIDED_CHANGE_SPEED too; and of the
+//! params that a command reads, one that is not a finite number is DENIED.
 
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]

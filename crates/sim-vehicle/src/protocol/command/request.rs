@@ -29,8 +29,8 @@ impl Command {
         Some(Self { command, params: wire.params, position: wire.position, z: wire.z, frame: frame as u8 })
     }
 
-    /// DO_SET_MODE, for the SET_MODE message that came before it, which has a PX4's main and sub mode in one number. Modes
-    /// are exact in an f32 up to 2^24; beyond that there are none.
+    /// DO_SET_MODE, for the SET_MODE message that came before it, which has a PX4's main and sub mode in one number.
+    /// Modes are exact in an f32 up to 2^24; beyond that there are none.
     pub fn set_mode(has_sub_mode: bool, custom: bool, custom_mode: u32) -> Self {
         let base_mode = if custom { MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits() } else { 0 };
         let (main, sub) = if has_sub_mode { (custom_mode >> 16 & 0xFF, custom_mode >> 24) } else { (custom_mode, 0) };

@@ -1,5 +1,5 @@
-//! Plans that survive a restart: for each vehicle a text file of its mission, its fence and its rally points, in the form
-//! "QGC WPL 110" that ground stations write and read
+//! Plans that survive a restart: for each vehicle a text file of its mission, its fence and its rally points, in the
+//! form "QGC WPL 110" that ground stations write and read
 //! (<https://mavlink.io/en/file_formats/#mission_plain_text_file>). There is no file of an empty plan.
 
 use super::check::check_items;

@@ -98,7 +98,8 @@ impl MissionService {
                 self.fly_to_item(component, link, sender, &item, current == 2);
             }
             PlanMessage::SetCurrent(seq) => {
-                // It has no acknowledgement of its own. Whoever hears at once of another item than he asked for asks again.
+                // It has no acknowledgement of its own. Whoever hears at once of another item than he asked for asks
+                // again.
                 match component.autopilot.set_current_item(seq) {
                     Ok(()) => component.send_stream(link, Stream::MissionCurrent),
                     Err(error) => component.autopilot.say(Severity::Warning, &error.reason.unwrap_or_default()),

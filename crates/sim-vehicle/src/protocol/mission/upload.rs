@@ -239,8 +239,8 @@ impl MissionService {
         let _ = self.replace_plan(component, kind, Vec::new(), true);
     }
 
-    /// Who uploads may break it off. It is not answered: who goes on to another upload would take that for its answer. An
-    /// ArduPilot passes it over, and gives the upload up in the end.
+    /// Who uploads may break it off. It is not answered: who goes on to another upload would take that for its answer.
+    /// An ArduPilot passes it over, and gives the upload up in the end.
     pub(super) fn hear_plan_ack(
         &mut self,
         component: &mut Component,
@@ -337,8 +337,8 @@ fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
     PlanItem { params, ..item }
 }
 
-/// How an item of an upload is asked for. ArduPlane still asks by the older message, and some clients (dronekit) answer no
-/// other: a PX4 asks those by it that have used it themselves.
+/// How an item of an upload is asked for. ArduPlane still asks by the older message, and some clients (dronekit) answer
+/// no other: a PX4 asks those by it that have used it themselves.
 fn item_request(seq: u16, to: Target, mission_type: MavMissionType, by_old_message: bool) -> Message {
     let Target { system_id: target_system, component_id: target_component } = to;
     if by_old_message {

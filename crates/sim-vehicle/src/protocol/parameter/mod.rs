@@ -70,7 +70,8 @@ impl ParameterService {
         match request {
             ParameterRequest::List => {
                 let peer = component.peers().peer(link);
-                // Clients that ask for all this have just connected: some learn from the next heartbeat whom they talk to.
+                // Clients that ask for all this have just connected: some learn from the next heartbeat whom they talk
+                // to.
                 component.send_stream(link, Stream::Heartbeat);
                 let due = self.pace.reserve(peer, component.host_now);
                 // Asked again, it begins again.

@@ -9,7 +9,8 @@ use crate::settings::SettingsError;
 use crate::telemetry::announce::Component;
 
 impl ParameterService {
-    /// Sets what the vehicle starts with: parameter files, values that were set by name, and what a state folder has kept.
+    /// Sets what the vehicle starts with: parameter files, values that were set by name, and what a state folder has
+    /// kept.
     pub fn start(&mut self, component: &mut Component) -> Result<(), SettingsError> {
         let files = std::mem::take(&mut component.settings.parameter_files);
         let known = component.autopilot.parameters.adopt(&files);
