@@ -1,7 +1,8 @@
 //! One simulated vehicle as a sans-I/O MAVLink state machine, and the host that runs many.
 //!
-//! [`Vehicle`] flies the model of Eq. 1-3 and speaks MAVLink as ArduPlane does in GUIDED, or as another [`Personality`]. It
-//! takes datagrams and times and gives datagrams and states; [`Host`] lends sockets and a clock to any number of them.
+//! [`Vehicle`] flies the model of Eq. 1-3 and speaks MAVLink as ArduPlane does in GUIDED, or as another
+//! [`Personality`]. It takes datagrams and times and gives datagrams and states; [`Host`] lends sockets and a clock to
+//! any number of them.
 //!
 //! With the feature `testing`, `testing::Client` drives a vehicle in memory by messages, for tests of one's own.
 

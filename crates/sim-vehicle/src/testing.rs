@@ -59,8 +59,8 @@ impl Client {
         self.collect()
     }
 
-    /// Sends a COMMAND_LONG with its first params, the others 0, and gives the result of its acknowledgement; none if there
-    /// is none.
+    /// Sends a COMMAND_LONG with its first params, the others 0, and gives the result of its acknowledgement; none if
+    /// there is none.
     pub fn command<const N: usize>(&mut self, command: MavCmd, params: [f32; N]) -> Option<MavResult> {
         let param = |index: usize| params.get(index).copied().unwrap_or_default();
         let message = Message::COMMAND_LONG(COMMAND_LONG_DATA {
@@ -156,7 +156,8 @@ impl Client {
         while let Some(transmit) = self.vehicle.poll_transmit() {
             if transmit.to == self.address {
                 let mut counters = Counters::default();
-                self.received.extend(messages(&transmit.datagram, &mut counters).filter_map(|(_, message)| message.ok()));
+                self.received
+                    .extend(messages(&transmit.datagram, &mut counters).filter_map(|(_, message)| message.ok()));
             }
         }
         &self.received[before..]

@@ -19,22 +19,22 @@ use std::time::Duration;
 /// One simulated vehicle that speaks MAVLink as its autopilot does.
 ///
 /// It does no I/O and knows no clock. There are two times, both counted from the start: *vehicle time*, which only
-/// [`advance`](Self::advance) moves, in whole integration steps, and *host time* (the arguments called `now`), which tells
-/// when to ask again and which peers are silent. In real time the host lets them run together.
+/// [`advance`](Self::advance) moves, in whole integration steps, and *host time* (the arguments called `now`), which
+/// tells when to ask again and which peers are silent. In real time the host lets them run together.
 ///
 /// # Which calls, in which order
 ///
 /// The caller owns the sockets and the clock, and calls, as often as it likes:
 ///
 /// 1. [`handle`](Self::handle) for each datagram that comes, with the host time and the address of its sender.
-/// 2. [`handle_timeout`](Self::handle_timeout) when the host time has come that [`poll_timeout`](Self::poll_timeout) gave,
-///    and at least once a second in real time: lists of parameters, uploads and repeats go on by it. More often is no
-///    fault, and earlier has no effect. A call of 1, 2 or 3 may change that time: ask for it again.
+/// 2. [`handle_timeout`](Self::handle_timeout) when the host time has come that [`poll_timeout`](Self::poll_timeout)
+///    gave, and at least once a second in real time: lists of parameters, uploads and repeats go on by it. An early
+///    call does no harm. A call of 1, 2 or 3 may change that time: ask for it again.
 /// 3. [`advance`](Self::advance) to let it fly. In real time `until` is the vehicle time that the clock has come to; in
 ///    lockstep it is [`released_until`](Self::released_until), and there is nothing to fly while that is none.
-/// 4. [`poll_transmit`](Self::poll_transmit) after each of 1, 2 and 3, until it gives none: what is not fetched is not lost,
-///    but its receiver waits for it. Frames to one peer are packed together, so poll after a whole batch of inputs rather
-///    than between them.
+/// 4. [`poll_transmit`](Self::poll_transmit) after each of 1, 2 and 3, until it gives none. What is not fetched is not
+///    lost, but its receiver waits for it. Frames to one peer are packed together: poll after a batch of inputs, not
+///    between them.
 ///
 /// Times never run backwards: a host time before the last one counts as the last one. Nothing that a peer sends makes a
 /// call fail or panic.

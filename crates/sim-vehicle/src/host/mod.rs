@@ -104,8 +104,8 @@ impl Host {
     /// Binds the ports of all vehicles, or none of them. Must be called within a Tokio runtime.
     ///
     /// # Errors
-    /// A setting is out of its range, a vehicle's settings are not valid, a file of the state folder cannot be read, or a port
-    /// cannot be bound.
+    /// A setting is out of its range, a vehicle's settings are not valid, a file of the state folder cannot be read, or
+    /// a port cannot be bound.
     pub fn bind(settings: &HostSettings, vehicles: Vec<VehicleSettings>) -> Result<Self, HostError> {
         settings.validate(vehicles.len())?;
         let pace = Arc::new(Pace::default());

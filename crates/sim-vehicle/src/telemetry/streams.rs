@@ -168,8 +168,8 @@ impl Stream {
 
 /// ArduPlane's groups, by which REQUEST_DATA_STREAM and the MAV1_ parameters set rates.
 pub(crate) mod groups {
-    use crate::telemetry::streams::Stream;
     use crate::parameters::table::RateGroup;
+    use crate::telemetry::streams::Stream;
 
     pub const RAW_SENSORS: &[Stream] = &[Stream::RawImu, Stream::ScaledPressure];
     pub const EXTENDED_STATUS: &[Stream] = &[
