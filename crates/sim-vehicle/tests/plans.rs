@@ -424,8 +424,8 @@ proptest! {
             let changed = (now[0] != plans[0], now[1] != plans[1]);
             let may = (was_accepted && of_fence, was_accepted && !of_fence);
             prop_assert!((!changed.0 || may.0) && (!changed.1 || may.1), "{step:?}: {answer:?}");
-            let is_corner = |item: &&PlanItem| item.command == MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
-            let corners = now[0].iter().filter(is_corner).count();
+            let is_corner = |command| command == MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
+            let corners = now[0].iter().filter(|item| is_corner(item.command)).count();
             prop_assert!(corners % 4 == 0 && now[1].iter().all(|item| item.command == MAV_CMD_NAV_RALLY_POINT));
             plans = now;
         }

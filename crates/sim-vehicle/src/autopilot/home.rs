@@ -2,6 +2,7 @@
 
 use flight_model::LocalFrame;
 use mavlink_bridge::{AltitudeDatum, LatLonE7, PlanItem};
+use nalgebra::Vector2;
 
 /// A place to return to, in the local frame, and what altitudes above home are above.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,9 +16,14 @@ pub(crate) struct Home {
 }
 
 impl Home {
+    /// At a place, (north, east) in m.
+    pub fn new(place: Vector2<f64>, altitude_m: f64) -> Self {
+        Self { x_m: place.x, y_m: place.y, altitude_m }
+    }
+
     /// (north, east) in m.
-    pub fn at(&self) -> (f64, f64) {
-        (self.x_m, self.y_m)
+    pub fn at(&self) -> Vector2<f64> {
+        Vector2::new(self.x_m, self.y_m)
     }
 }
 
@@ -30,9 +36,9 @@ pub(crate) struct Reference<'a> {
 
 impl Reference<'_> {
     /// North and east of the origin, m, of a latitude and longitude.
-    pub fn locate(&self, position: LatLonE7) -> (f64, f64) {
+    pub fn locate(&self, position: LatLonE7) -> Vector2<f64> {
         let (x_m, y_m, _) = self.frame.to_local(&position.to_geodetic(0.0));
-        (x_m, y_m)
+        Vector2::new(x_m, y_m)
     }
 
     /// An altitude above a datum as one above the origin, m: terrain is as high as home.
@@ -44,7 +50,7 @@ impl Reference<'_> {
     }
 
     /// Where an item is, (north, east) in m; without a place, here.
-    pub fn place_of(&self, item: &PlanItem, here: (f64, f64)) -> (f64, f64) {
+    pub fn place_of(&self, item: &PlanItem, here: Vector2<f64>) -> Vector2<f64> {
         let position = item.position();
         if position.is_zero() { here } else { self.locate(position) }
     }

@@ -240,7 +240,7 @@ impl Autopilot {
     /// Makes where it is its home.
     pub fn set_home_here(&mut self) {
         let state = self.flight.state();
-        self.set_home(Home { x_m: state.x_m, y_m: state.y_m, altitude_m: state.altitude_m });
+        self.set_home(Home::new(state.position_m(), state.altitude_m));
     }
 
     /// Everybody is told of a new home, as ArduPlane does.

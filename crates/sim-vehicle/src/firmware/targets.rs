@@ -9,17 +9,18 @@ use mavlink_bridge::LatLonE7;
 use mavlink_bridge::dialect::{
     MavFrame, PositionTargetTypemask as Mask, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
+use nalgebra::Vector2;
 
 /// What a message asks for; what its mask leaves out is none, and so is what is no finite number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PositionTarget {
     pub mask: u16,
     /// (North, east) of the origin, m.
-    pub place: Option<(f64, f64)>,
+    pub place: Option<Vector2<f64>>,
     /// Above the origin, m.
     pub altitude_m: Option<f64>,
     /// (North, east), m/s.
-    pub velocity_mps: Option<(f64, f64)>,
+    pub velocity_mps: Option<Vector2<f64>>,
     pub climb_mps: Option<f64>,
     /// Whether it asks for a position, a velocity or an acceleration at all, be it for half of one.
     pub asks_for_anything: bool,
@@ -43,7 +44,7 @@ impl PositionTarget {
             MavFrame::MAV_FRAME_LOCAL_NED => Ok(target),
             MavFrame::MAV_FRAME_BODY_NED => {
                 let (sin, cos) = libm::sincos(heading_rad);
-                let turn = |(ahead, right): (f64, f64)| (cos * ahead - sin * right, sin * ahead + cos * right);
+                let turn = |body: Vector2<f64>| Vector2::new(cos * body.x - sin * body.y, sin * body.x + cos * body.y);
                 let velocity_mps = target.velocity_mps.map(turn);
                 Ok(Self { place: None, altitude_m: None, velocity_mps, ..target })
             }
@@ -54,11 +55,11 @@ impl PositionTarget {
     /// Its place and altitude as `to_local` and `altitude_m` have those of the message.
     pub fn from_global(
         data: &SET_POSITION_TARGET_GLOBAL_INT_DATA,
-        to_local: impl Fn(LatLonE7) -> (f64, f64),
+        to_local: impl Fn(LatLonE7) -> Vector2<f64>,
         altitude_m: impl Fn(f32, u8) -> Option<f64>,
     ) -> Result<Self, TargetError> {
         let position = LatLonE7::new(data.lat_int, data.lon_int);
-        let (north_m, east_m) = to_local(position);
+        let place = to_local(position);
         // A velocity needs no frame.
         let up_m = match altitude_m(data.alt, data.coordinate_frame as u8) {
             Some(up_m) => up_m,
@@ -66,7 +67,7 @@ impl PositionTarget {
             None => return Err(TargetError::Frame(data.coordinate_frame as u32)),
         };
         let [vx, vy, vz, ax, ay, az] = [data.vx, data.vy, data.vz, data.afx, data.afy, data.afz].map(f64::from);
-        let target = Self::read(data.type_mask, [north_m, east_m, -up_m, vx, vy, vz, ax, ay, az]);
+        let target = Self::read(data.type_mask, [place.x, place.y, -up_m, vx, vy, vz, ax, ay, az]);
         if target.place.is_some() && !position.is_valid() {
             return Err(TargetError::Place);
         }
@@ -100,10 +101,10 @@ impl PositionTarget {
         let others = [x, y, z, vx, vy, vz];
         Self {
             mask: mask.bits(),
-            place: x.zip(y),
+            place: x.zip(y).map(|(x, y)| Vector2::new(x, y)),
             // Zero must not become minus zero.
             altitude_m: z.map(|down_m| 0.0 - down_m),
-            velocity_mps: vx.zip(vy),
+            velocity_mps: vx.zip(vy).map(|(vx, vy)| Vector2::new(vx, vy)),
             climb_mps: vz.map(|down_mps| 0.0 - down_mps),
             asks_for_anything: others.iter().chain(&accelerations).any(Option::is_some),
         }
@@ -117,17 +118,17 @@ const PLACE: Mask = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE.union(Mask::POSITION
 /// where the target is higher.
 pub(super) fn fly_target(autopilot: &mut Autopilot, target: &PositionTarget) {
     // A velocity of zero has no direction.
-    let velocity_mps = target.velocity_mps.filter(|velocity| *velocity != (0.0, 0.0));
+    let velocity_mps = target.velocity_mps.filter(|velocity| *velocity != Vector2::zeros());
     match (target.place, velocity_mps) {
         (Some(place), Some(velocity)) => {
             autopilot.flight.set_course(course_onto_line(autopilot, place, velocity), f64::INFINITY)
         }
         (Some(place), None) => autopilot.flight.fly_to(place),
-        (None, Some((north, east))) => autopilot.flight.set_course(wrap_pi(libm::atan2(east, north)), f64::INFINITY),
+        (None, Some(to)) => autopilot.flight.set_course(wrap_pi(libm::atan2(to.y, to.x)), f64::INFINITY),
         (None, None) => {}
     }
-    if let Some((north, east)) = velocity_mps {
-        autopilot.flight.set_speed((north * north + east * east).sqrt(), f64::INFINITY);
+    if let Some(velocity_mps) = velocity_mps {
+        autopilot.flight.set_speed(velocity_mps.norm(), f64::INFINITY);
     }
     match (target.altitude_m, target.climb_mps) {
         (Some(altitude_m), _) => autopilot.flight.set_altitude(altitude_m, f64::INFINITY),
@@ -158,13 +159,14 @@ fn take_off_for_target(autopilot: &mut Autopilot) {
 }
 
 /// The course that leads onto the line through a place in the direction of a velocity.
-fn course_onto_line(autopilot: &Autopilot, (x_m, y_m): (f64, f64), (north, east): (f64, f64)) -> f64 {
+fn course_onto_line(autopilot: &Autopilot, place: Vector2<f64>, velocity: Vector2<f64>) -> f64 {
     /// Time over which the distance from the line is made up: slow against the course loop.
     const APPROACH_S: f64 = 4.0;
     let state = autopilot.flight.state();
-    let course_rad = libm::atan2(east, north);
+    let course_rad = libm::atan2(velocity.y, velocity.x);
     let (sin, cos) = libm::sincos(course_rad);
-    let right_m = (state.y_m - y_m) * cos - (state.x_m - x_m) * sin;
+    let off = state.position_m() - place;
+    let right_m = off.y * cos - off.x * sin;
     course_rad - libm::atan(right_m / (APPROACH_S * state.speed_mps.max(1.0)))
 }
 
@@ -210,8 +212,8 @@ mod tests {
             assert_eq!(local(mask).asks_for_anything, mask != 0xFFF);
         }
         let whole = local(0);
-        assert_eq!((whole.place, whole.altitude_m), (Some((1.0, 2.0)), Some(3.0)));
-        assert_eq!((whole.velocity_mps, whole.climb_mps), (Some((4.0, 5.0)), Some(6.0)));
+        assert_eq!((whole.place, whole.altitude_m), (Some(Vector2::new(1.0, 2.0)), Some(3.0)));
+        assert_eq!((whole.velocity_mps, whole.climb_mps), (Some(Vector2::new(4.0, 5.0)), Some(6.0)));
     }
 
     #[test]
@@ -223,8 +225,8 @@ mod tests {
             ..SET_POSITION_TARGET_LOCAL_NED_DATA::DEFAULT
         };
         let target = PositionTarget::from_local(&data, std::f64::consts::FRAC_PI_2).unwrap();
-        let (north, east) = target.velocity_mps.unwrap();
-        assert!(north.abs() < 1e-9 && (east - 3.0).abs() < 1e-9);
+        let velocity = target.velocity_mps.unwrap();
+        assert!((velocity - Vector2::new(0.0, 3.0)).amax() < 1e-9);
         let nan = SET_POSITION_TARGET_LOCAL_NED_DATA { vx: f32::NAN, ..data };
         assert!(!PositionTarget::from_local(&nan, 0.0).unwrap().is_complete());
         let odd = SET_POSITION_TARGET_LOCAL_NED_DATA { coordinate_frame: MavFrame::MAV_FRAME_LOCAL_FRD, ..nan };

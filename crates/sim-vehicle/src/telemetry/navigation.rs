@@ -101,9 +101,9 @@ impl Instruments<'_> {
         let [roll_rad, pitch_rad, _] = self.attitude_rad();
         let degrees = |angle_rad: f64| angle_rad.to_degrees().round() as i16;
         let (bearing_rad, distance_m) = match aim.place {
-            Some((x_m, y_m)) => {
-                let (north, east) = (x_m - state.x_m, y_m - state.y_m);
-                (libm::atan2(east, north), (north * north + east * east).sqrt())
+            Some(place) => {
+                let way = place - state.position_m();
+                (libm::atan2(way.y, way.x), way.norm())
             }
             None => (aim.course_rad, 0.0),
         };
@@ -123,8 +123,8 @@ impl Instruments<'_> {
     /// that is flown to or circled, above sea level; the present one while there is none.
     pub(super) fn position_target_global_int(&self) -> Message {
         let (aim, state) = (self.flight.aim(), self.flight.estimate());
-        let (x_m, y_m) = aim.place.unwrap_or((state.x_m, state.y_m));
-        let place = self.frame.to_geodetic(x_m, y_m, aim.altitude_m);
+        let target = aim.place.unwrap_or(state.position_m());
+        let place = self.frame.to_geodetic(target.x, target.y, aim.altitude_m);
         let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);
         Message::POSITION_TARGET_GLOBAL_INT(POSITION_TARGET_GLOBAL_INT_DATA {
             time_boot_ms: boot_ms(self.time),

@@ -126,7 +126,7 @@ fn place(item: &PlanItem, frame: &LocalFrame) -> Result<Place, PlanError> {
         return Err(PlanError::Position);
     }
     let (north_m, east_m, _) = frame.to_local(&item.position().to_geodetic(frame.origin().altitude_amsl_m));
-    Ok((north_m, east_m))
+    Ok(Place::new(north_m, east_m))
 }
 
 #[cfg(test)]
@@ -150,8 +150,7 @@ mod tests {
         let area = made(&[&triangle[..], &[item(POLYGON_EXCLUSION, 4.9); 4], &rest].concat()).unwrap();
         assert!(matches!(&area.inclusions[..], [Shape::Polygon(corners)] if corners.len() == 3));
         assert!(matches!(&area.exclusions[..], [Shape::Polygon(corners), Shape::Circle { .. }] if corners.len() == 4));
-        let (north_m, east_m) = area.return_point.unwrap();
-        assert!(north_m.abs() < 0.02 && east_m.abs() < 0.02);
+        assert!(area.return_point.unwrap().amax() < 0.02);
         assert_eq!(made(&[]), Ok(Area::default()));
         assert_eq!(total(&[&triangle[..], &[item(RETURN_POINT, 0.0)]].concat()), 5);
         assert_eq!((total(&triangle), total(&rest), total(&[])), (5, 0, 0));

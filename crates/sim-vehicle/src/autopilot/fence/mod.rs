@@ -50,6 +50,6 @@ impl Fence {
 
     /// Whether what was uploaded forbids a place.
     fn forbids(&self, state: &State, parameters: &Parameters) -> bool {
-        self.area.forbids((state.x_m, state.y_m), inclusions_are_one(parameters))
+        self.area.forbids(state.position_m(), inclusions_are_one(parameters))
     }
 }

@@ -159,9 +159,10 @@ impl FenceMonitor {
     }
 
     /// Whether a place, its altitude in m above the origin, is outside a fence that is enabled.
-    pub fn is_outside(&self, now: &Situation<'_>, (x_m, y_m): Place, altitude_m: f64) -> bool {
+    pub fn is_outside(&self, now: &Situation<'_>, place: Place, altitude_m: f64) -> bool {
         let home = now.flight.home();
-        let state = State { x_m, y_m, altitude_m: altitude_m - home.altitude_m, ..*now.flight.state() };
+        let altitude_m = altitude_m - home.altitude_m;
+        let state = State { x_m: place.x, y_m: place.y, altitude_m, ..*now.flight.state() };
         self.outside(&state, home.at(), now.fence, now.parameters) != 0
     }
 
@@ -382,9 +383,8 @@ pub(crate) fn altitudes_inside_m(parameters: &Parameters) -> (f64, f64) {
     (get(Parameter::FenceAltitudeMin) + margin_m, get(Parameter::FenceAltitudeMax) - margin_m)
 }
 
-fn distance_m(state: &State, (x_m, y_m): Place) -> f64 {
-    let (north_m, east_m) = (state.x_m - x_m, state.y_m - y_m);
-    (north_m * north_m + east_m * east_m).sqrt()
+fn distance_m(state: &State, place: Place) -> f64 {
+    (state.position_m() - place).norm()
 }
 
 fn tell(what: &str, kinds: Kinds, events: &mut Events) {
@@ -408,7 +408,7 @@ mod tests {
         parameters.set(Parameter::FenceType, f32::from(CIRCLE | MAX_ALTITUDE)).unwrap();
         let mut monitor = FenceMonitor { enabled: CIRCLE | MAX_ALTITUDE, ..FenceMonitor::default() };
         let mut seen = |x_m, altitude_m| {
-            let fresh = monitor.look(&at(x_m, altitude_m), (0.0, 0.0), &Fence::default(), &parameters);
+            let fresh = monitor.look(&at(x_m, altitude_m), Place::zeros(), &Fence::default(), &parameters);
             (fresh, monitor.breached)
         };
         assert_eq!(seen(299.0, 50.0), (0, 0));
@@ -425,11 +425,11 @@ mod tests {
         let mut parameters = Parameters::new(&VehicleSettings::default());
         let (fence, mut monitor) = (Fence::default(), FenceMonitor { enabled: ALL, ..FenceMonitor::default() });
         // FENCE_TYPE is POLYGON at first, and there is none.
-        assert_eq!(monitor.look(&at(1e6, 1e4), (0.0, 0.0), &fence, &parameters), 0);
+        assert_eq!(monitor.look(&at(1e6, 1e4), Place::zeros(), &fence, &parameters), 0);
         assert!(!monitor.report(&fence, &parameters).is_present);
         parameters.set(Parameter::FenceType, f32::from(ALL)).unwrap();
         monitor.enabled = MIN_ALTITUDE;
-        assert_eq!(monitor.look(&at(1e6, -20.0), (0.0, 0.0), &fence, &parameters), MIN_ALTITUDE);
+        assert_eq!(monitor.look(&at(1e6, -20.0), Place::zeros(), &fence, &parameters), MIN_ALTITUDE);
         assert_eq!(monitor.report(&fence, &parameters).breached, MIN_ALTITUDE);
         assert_eq!(monitor.enable(false, ALL, &parameters), MIN_ALTITUDE);
         assert_eq!(monitor.breached, 0);

@@ -2,6 +2,7 @@
 //! last bit.
 
 use flight_model::{Dynamics, Setpoint, State, Wind, wrap_pi};
+use nalgebra::Vector2;
 
 /// The air round the vehicle, and what its autopilot knows of it.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +14,7 @@ pub(super) struct Air {
     /// As the autopilot reckons with it: as it is, while a GPS tells where the air carries the vehicle.
     known: Wind,
     /// How far the place where the vehicle believes to be is from where it is, (north, east) in m.
-    astray_m: (f64, f64),
+    astray_m: Vector2<f64>,
     /// The state before the last step, in the wind of that step.
     before: State,
 }
@@ -21,7 +22,7 @@ pub(super) struct Air {
 impl Air {
     /// Still, round a vehicle that has just begun.
     pub fn at(start: &State) -> Self {
-        Self { outside: Wind::CALM, wind: Wind::CALM, known: Wind::CALM, astray_m: (0.0, 0.0), before: *start }
+        Self { outside: Wind::CALM, wind: Wind::CALM, known: Wind::CALM, astray_m: Vector2::zeros(), before: *start }
     }
 
     /// Outside a vehicle that stands on its rail or on the ground.
@@ -37,7 +38,7 @@ impl Air {
         self.wind = wind;
         self.known = known.unwrap_or(wind);
         if known.is_none() {
-            self.astray_m = (0.0, 0.0);
+            self.astray_m = Vector2::zeros();
         }
         lifted_mps
     }
@@ -55,12 +56,12 @@ impl Air {
     /// Where and how fast a vehicle in a state believes to be: there, unless it has to reckon with a wind that it does
     /// not see.
     pub fn estimate(&self, state: &State) -> State {
-        let (north_m, east_m) = self.astray_m;
-        if self.known == self.wind && (north_m, east_m) == (0.0, 0.0) {
+        let astray_m = self.astray_m;
+        if self.known == self.wind && astray_m == Vector2::zeros() {
             return *state;
         }
         let moving = state.in_air(&self.wind).over_ground(&self.known);
-        State { x_m: state.x_m + north_m, y_m: state.y_m + east_m, ..moving }
+        State { x_m: state.x_m + astray_m.x, y_m: state.y_m + astray_m.y, ..moving }
     }
 
     /// The airspeed, m/s, that a run on the ground would take off with: against the wind it is faster.
@@ -88,8 +89,8 @@ impl Air {
 
     /// The vehicle has been carried for a step by a wind that it may not know.
     pub fn carry(&mut self, step_s: f64) {
-        self.astray_m.0 += step_s * (self.known.north_mps - self.wind.north_mps);
-        self.astray_m.1 += step_s * (self.known.east_mps - self.wind.east_mps);
+        self.astray_m.x += step_s * (self.known.north_mps - self.wind.north_mps);
+        self.astray_m.y += step_s * (self.known.east_mps - self.wind.east_mps);
     }
 
     /// A setpoint of what is wanted as airspeed and heading, by the wind triangle. The heading lags behind its setpoint

@@ -2,6 +2,7 @@
 
 use super::circle::Circle;
 use flight_model::{Dynamics, State, wrap_pi};
+use nalgebra::Vector2;
 
 /// What sets the course.
 #[derive(Clone, Copy, Debug)]
@@ -12,9 +13,9 @@ pub(super) enum Direction {
     Circle(Circle),
     /// To a place, (north, east) in m.
     Place {
-        at: (f64, f64),
+        at: Vector2<f64>,
         /// Where the line to it begins that is followed; none: from anywhere.
-        from: Option<(f64, f64)>,
+        from: Option<Vector2<f64>>,
         flies_away: bool,
     },
 }
@@ -23,22 +24,22 @@ pub(super) enum Direction {
 const LINE_AHEAD_S: f64 = 4.0;
 
 /// The point of a line that is so far ahead of where the vehicle is abreast of it; none where the line ends before.
-fn ahead_on_line(from: (f64, f64), to: (f64, f64), at: (f64, f64), ahead_m: f64) -> Option<(f64, f64)> {
-    let (north, east) = (to.0 - from.0, to.1 - from.1);
-    let length_m = (north * north + east * east).sqrt();
+fn ahead_on_line(from: Vector2<f64>, to: Vector2<f64>, at: Vector2<f64>, ahead_m: f64) -> Option<Vector2<f64>> {
+    let line = to - from;
+    let length_m = line.norm();
     if length_m <= ahead_m {
         return None;
     }
-    let along_m = ((at.0 - from.0) * north + (at.1 - from.1) * east) / length_m;
+    let along_m = (at - from).dot(&line) / length_m;
     let share = (along_m.max(0.0) + ahead_m) / length_m;
-    (share < 1.0).then_some((from.0 + share * north, from.1 + share * east))
+    (share < 1.0).then(|| from + line * share)
 }
 
 /// What a vehicle steers for, as it tells others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Aim {
     /// The place that is flown to or circled, (north, east) in m; none on a course.
-    pub place: Option<(f64, f64)>,
+    pub place: Option<Vector2<f64>>,
     /// Course setpoint of this moment, rad.
     pub course_rad: f64,
     /// Altitude setpoint of this moment, m above the origin.
@@ -50,7 +51,7 @@ pub(crate) struct Aim {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RallyPlace {
     /// (north, east) in m.
-    pub at: (f64, f64),
+    pub at: Vector2<f64>,
     /// Altitude of the way there, m above the origin.
     pub altitude_m: f64,
 }
@@ -66,11 +67,11 @@ impl Direction {
     }
 
     /// The place that is flown to or circled, (north, east) in m, and the course there, rad; a course has no place.
-    pub fn aim(&self, state: &State) -> (Option<(f64, f64)>, f64) {
+    pub fn aim(&self, state: &State) -> (Option<Vector2<f64>>, f64) {
         match self {
             Direction::Course(rad) | Direction::Heading(rad) => (None, *rad),
             Direction::Circle(circle) => (Some(circle.centre()), circle.course_rad(state)),
-            Direction::Place { at, .. } => (Some(*at), libm::atan2(at.1 - state.y_m, at.0 - state.x_m)),
+            Direction::Place { at, .. } => (Some(*at), libm::atan2(at.y - state.y_m, at.x - state.x_m)),
         }
     }
 }
@@ -81,15 +82,15 @@ impl Direction {
 ///
 /// A line is followed by steering for a point of it that is some seconds ahead, and at its end for the place.
 fn course_to_rad(
-    at: (f64, f64),
-    from: Option<(f64, f64)>,
+    at: Vector2<f64>,
+    from: Option<Vector2<f64>>,
     flies_away: &mut bool,
     state: &State,
     dynamics: &Dynamics,
 ) -> f64 {
     const AHEAD_RAD: f64 = 1.0;
-    let (north, east) = (at.0 - state.x_m, at.1 - state.y_m);
-    let distance_m = (north * north + east * east).sqrt();
+    let way = at - state.position_m();
+    let distance_m = way.norm();
     if distance_m < 1e-6 {
         return state.course_rad;
     }
@@ -97,7 +98,7 @@ fn course_to_rad(
     let lag_m = speed_mps * dynamics.time_constants.course_s;
     let tightest_m = speed_mps * speed_mps / dynamics.limits.lateral_acceleration_max_mps2();
     let turn_m = 4.0 * lag_m.max(tightest_m);
-    let bearing_rad = libm::atan2(east, north);
+    let bearing_rad = libm::atan2(way.y, way.x);
     let off_rad = wrap_pi(bearing_rad - state.course_rad);
     let is_too_near = distance_m < if *flies_away { 2.0 * turn_m } else { turn_m };
     *flies_away = off_rad.abs() > AHEAD_RAD && is_too_near;
@@ -105,9 +106,9 @@ fn course_to_rad(
         return state.course_rad;
     }
     let ahead_m = LINE_AHEAD_S * speed_mps;
-    let on_line = from.and_then(|from| ahead_on_line(from, at, (state.x_m, state.y_m), ahead_m));
-    if let Some((x_m, y_m)) = on_line {
-        return libm::atan2(y_m - state.y_m, x_m - state.x_m);
+    let on_line = from.and_then(|from| ahead_on_line(from, at, state.position_m(), ahead_m));
+    if let Some(ahead) = on_line {
+        return libm::atan2(ahead.y - state.y_m, ahead.x - state.x_m);
     }
     bearing_rad + (lag_m * libm::sin(off_rad) / distance_m).clamp(-AHEAD_RAD, AHEAD_RAD)
 }

@@ -1,13 +1,14 @@
 //! Landing at a place: down a glide slope, a flare, and onto the ground.
 
 use flight_model::{Setpoint, State};
+use nalgebra::Vector2;
 use std::f64::consts::PI;
 
 /// A landing that is under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Landing {
     /// Where to, (north, east) in m.
-    at: (f64, f64),
+    at: Vector2<f64>,
     /// Altitude until the glide slope is met, m above the origin.
     approach_altitude_m: f64,
     leg: Leg,
@@ -55,16 +56,16 @@ impl View<'_> {
 
 impl Landing {
     /// To a place, (north, east) in m, from an altitude.
-    pub fn new(at: (f64, f64), altitude_m: f64) -> Self {
+    pub fn new(at: Vector2<f64>, altitude_m: f64) -> Self {
         Self { at, approach_altitude_m: altitude_m, leg: Leg::Approach }
     }
 
     /// Its setpoint of this moment, where `setpoint` would go straight there.
     pub fn setpoint(&mut self, view: &View<'_>, setpoint: &Setpoint) -> Setpoint {
         let state = view.state;
-        let (north, east) = (self.at.0 - state.x_m, self.at.1 - state.y_m);
-        let distance_m = (north * north + east * east).sqrt();
-        let bearing_rad = if distance_m > 1e-6 { libm::atan2(east, north) } else { state.course_rad };
+        let way = self.at - state.position_m();
+        let distance_m = way.norm();
+        let bearing_rad = if distance_m > 1e-6 { libm::atan2(way.y, way.x) } else { state.course_rad };
         let height_m = state.altitude_m - view.ground_m;
         let (slope_end_m, above_m) = (flare_distance_m(FLARE_HEIGHT_M, state), height_m - FLARE_HEIGHT_M);
         self.leg = match self.leg {

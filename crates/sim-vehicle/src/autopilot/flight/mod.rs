@@ -23,6 +23,7 @@ use ground::Contact;
 use guidance::{Direction, RallyPlace};
 use landing::Landing;
 use manual::Sticks;
+use nalgebra::Vector2;
 use ramp::Ramp;
 use tuning::Tuning;
 
@@ -48,7 +49,7 @@ pub(crate) struct Flight {
     sticks: Option<Sticks>,
     home: Home,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
-    guided_point: (f64, f64),
+    guided_point: Vector2<f64>,
     rally: Option<RallyPlace>,
     /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
@@ -94,7 +95,7 @@ impl Flight {
             stage: Stage::Normal,
             sticks: None,
             home: Home::default(),
-            guided_point: (start.x_m, start.y_m),
+            guided_point: start.position_m(),
             rally: None,
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
@@ -192,15 +193,13 @@ impl Flight {
     }
 
     /// Where it believes to be, (north, east) in m.
-    pub fn here(&self) -> (f64, f64) {
-        let state = self.estimate();
-        (state.x_m, state.y_m)
+    pub fn here(&self) -> Vector2<f64> {
+        self.estimate().position_m()
     }
 
     /// How far a place is from there, m.
-    pub fn distance_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
-        let (x0_m, y0_m) = self.here();
-        ((x_m - x0_m) * (x_m - x0_m) + (y_m - y0_m) * (y_m - y0_m)).sqrt()
+    pub fn distance_m(&self, place: Vector2<f64>) -> f64 {
+        (place - self.here()).norm()
     }
 
     /// The state as the air sees it: airspeed and heading in the place of speed and course over ground.

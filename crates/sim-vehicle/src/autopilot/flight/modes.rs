@@ -10,6 +10,7 @@ use super::{Flight, Stage};
 use crate::autopilot::home::Home;
 use crate::mode::Mode;
 use flight_model::State;
+use nalgebra::Vector2;
 
 impl Flight {
     /// Changes the mode; asking for the present one changes nothing, as in ArduPlane.
@@ -50,7 +51,7 @@ impl Flight {
     }
 
     /// Lands at a place, (north, east) in m, on the course from here to there.
-    pub fn land_at(&mut self, at: (f64, f64)) {
+    pub fn land_at(&mut self, at: Vector2<f64>) {
         self.fly_to(at);
         self.stage = Stage::Landing(Landing::new(at, self.state.altitude_m));
     }
@@ -127,7 +128,7 @@ impl Flight {
         self.altitude = Ramp::at(now.altitude_m);
         self.altitude_is_slewed = false;
         self.set_course(now.course_rad, f64::INFINITY);
-        let here = (now.x_m, now.y_m);
+        let here = now.position_m();
         match mode {
             Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise | Mode::Offboard => {}
             Mode::Takeoff => {

@@ -6,6 +6,7 @@ use super::guidance::{Aim, Direction, RallyPlace};
 use super::ramp::Ramp;
 use super::{Flight, Stage};
 use flight_model::{Autopilot, Dynamics, State};
+use nalgebra::Vector2;
 
 impl Flight {
     /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
@@ -69,23 +70,23 @@ impl Flight {
     }
 
     /// Flies to a place, (north, east) in m, and over it.
-    pub fn fly_to(&mut self, place: (f64, f64)) {
+    pub fn fly_to(&mut self, place: Vector2<f64>) {
         self.fly_toward(None, place);
     }
 
     /// The same along the line from one place to the other.
-    pub fn fly_leg(&mut self, from: (f64, f64), to: (f64, f64)) {
+    pub fn fly_leg(&mut self, from: Vector2<f64>, to: Vector2<f64>) {
         self.fly_toward(Some(from), to);
     }
 
-    fn fly_toward(&mut self, from: Option<(f64, f64)>, at: (f64, f64)) {
+    fn fly_toward(&mut self, from: Option<Vector2<f64>>, at: Vector2<f64>) {
         self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
         self.direction = Direction::Place { at, from, flies_away: false };
     }
 
     /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.
-    pub fn circle_at(&mut self, centre: (f64, f64), radius_m: f64) -> f64 {
+    pub fn circle_at(&mut self, centre: Vector2<f64>, radius_m: f64) -> f64 {
         self.circle(centre, radius_m);
         match self.direction {
             Direction::Circle(circle) => circle.radius_m(),
@@ -94,7 +95,7 @@ impl Flight {
     }
 
     /// In GUIDED, circles another place than where it was entered.
-    pub fn reposition(&mut self, place: (f64, f64), radius_m: f64) {
+    pub fn reposition(&mut self, place: Vector2<f64>, radius_m: f64) {
         self.guided_point = place;
         self.circle(place, radius_m);
     }
@@ -122,7 +123,7 @@ impl Flight {
         Aim { place, course_rad, altitude_m: self.altitude.value, airspeed_mps: self.speed.value }
     }
 
-    pub(super) fn circle(&mut self, centre: (f64, f64), radius_m: f64) {
+    pub(super) fn circle(&mut self, centre: Vector2<f64>, radius_m: f64) {
         self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
         self.direction = Direction::Circle(Circle::new(centre, radius_m, &self.limited, self.autopilot.step_s()));

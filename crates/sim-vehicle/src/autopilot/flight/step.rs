@@ -73,7 +73,7 @@ impl Flight {
         }
         self.stage = Stage::Normal;
         if self.mode == Mode::Takeoff {
-            self.circle((self.state.x_m, self.state.y_m), self.tuning.loiter_radius_m);
+            self.circle(self.state.position_m(), self.tuning.loiter_radius_m);
         }
     }
 

@@ -13,6 +13,7 @@ use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use mavlink_bridge::PlanItem;
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 use std::time::Duration;
 
@@ -199,8 +200,7 @@ impl Autopilot {
                 if p1 == 1.0 {
                     self.set_home_here();
                 } else {
-                    let (x_m, y_m) = at;
-                    self.set_home(Home { x_m, y_m, altitude_m });
+                    self.set_home(Home::new(at, altitude_m));
                 }
                 return self.session.progress.go_to(seq + 1);
             }
@@ -236,7 +236,7 @@ impl Autopilot {
         self.session.progress.leg.is_done(&state, is_on_ground, time)
     }
 
-    fn circle_until(&mut self, at: (f64, f64), radius_m: f64, altitude_m: f64, until: CircleEnd) -> Leg {
+    fn circle_until(&mut self, at: Vector2<f64>, radius_m: f64, altitude_m: f64, until: CircleEnd) -> Leg {
         let radius_m = self.flight.circle_at(at, radius_m);
         self.flight.set_altitude(altitude_m, f64::INFINITY);
         Leg::Circle { at, radius_m, until, flown: None }

@@ -7,6 +7,7 @@ use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use mavlink_bridge::PlanItem;
+use nalgebra::Vector2;
 
 /// Height to which a landing that is given up climbs where nothing else is said, m: ArduPlane's.
 const GO_AROUND_HEIGHT_M: f64 = 30.0;
@@ -90,8 +91,7 @@ impl Autopilot {
 
     fn has_come_back(&self) -> bool {
         let (state, home) = (self.flight.estimate(), self.flight.home());
-        let (north, east) = (state.x_m - home.x_m, state.y_m - home.y_m);
-        let distance_m = (north * north + east * east).sqrt();
+        let distance_m = (state.position_m() - home.at()).norm();
         distance_m <= self.flight.tuning().rtl_radius_m.abs() + RTL_TOLERANCE_M
             && self.flight.altitude_error_m() <= RTL_TOLERANCE_M
     }
@@ -118,7 +118,7 @@ impl Autopilot {
     /// nearest.
     fn nearest_return_leg(&self) -> Option<u16> {
         let mut nearest: Option<(u16, f64)> = None;
-        let mut from: Option<(f64, f64)> = None;
+        let mut from: Option<Vector2<f64>> = None;
         let mut is_on_path = false;
         for (seq, item) in self.mission.numbered() {
             match item.command {
@@ -146,13 +146,13 @@ fn is_placed(item: &PlanItem) -> bool {
 }
 
 /// The point of a straight leg that is nearest to a place.
-fn nearest_point(from: (f64, f64), to: (f64, f64), place: (f64, f64)) -> (f64, f64) {
-    let (north, east) = (to.0 - from.0, to.1 - from.1);
-    let length_squared = north * north + east * east;
+fn nearest_point(from: Vector2<f64>, to: Vector2<f64>, place: Vector2<f64>) -> Vector2<f64> {
+    let leg = to - from;
+    let length_squared = leg.norm_squared();
     if length_squared <= 0.0 {
         return from;
     }
-    let share = ((place.0 - from.0) * north + (place.1 - from.1) * east) / length_squared;
+    let share = (place - from).dot(&leg) / length_squared;
     let share = share.clamp(0.0, 1.0);
-    (from.0 + share * north, from.1 + share * east)
+    from + leg * share
 }

@@ -2,6 +2,7 @@
 
 use crate::autopilot::flight::tuning::TAKEOFF_TOLERANCE_M;
 use flight_model::{State, wrap_pi};
+use nalgebra::Vector2;
 use std::time::Duration;
 
 /// What the current item still wants.
@@ -11,11 +12,11 @@ pub(super) enum Leg {
     #[default]
     Begin,
     /// To be so near to a place, and not to come nearer: `nearest_m` is how near it has come.
-    Place { at: (f64, f64), radius_m: f64, nearest_m: f64 },
+    Place { at: Vector2<f64>, radius_m: f64, nearest_m: f64 },
     /// To be at an altitude, or not below it, or not above it, m above the origin.
     Altitude(f64, AltitudeEnd),
     /// To be on its circle, from then on to turn so far (rad), to stay so long, or to be at an altitude.
-    Circle { at: (f64, f64), radius_m: f64, until: CircleEnd, flown: Option<Circled> },
+    Circle { at: Vector2<f64>, radius_m: f64, until: CircleEnd, flown: Option<Circled> },
     /// To be on the ground.
     Landing,
     /// A landing is given up: to climb to an altitude, m above the origin.
@@ -54,9 +55,9 @@ impl Leg {
         if is_on_ground || matches!(self, Leg::Landing) {
             return is_on_ground && matches!(self, Leg::Landing);
         }
-        let from = |(x_m, y_m): (f64, f64)| {
-            let (north, east) = (state.x_m - x_m, state.y_m - y_m);
-            ((north * north + east * east).sqrt(), libm::atan2(east, north))
+        let from = |place: Vector2<f64>| {
+            let away = state.position_m() - place;
+            (away.norm(), libm::atan2(away.y, away.x))
         };
         match self {
             Leg::Begin | Leg::Forever | Leg::Landing => false,

@@ -2,6 +2,7 @@
 
 use super::Mission;
 use super::legs::Leg;
+use nalgebra::Vector2;
 
 /// How far AUTO has come.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +17,7 @@ pub(crate) struct Progress {
     /// Times that each jump was made.
     jumps: Vec<(u16, u32)>,
     /// The place of the item before the current one, (north, east) in m: the leg begins there.
-    from: Option<(f64, f64)>,
+    from: Option<Vector2<f64>>,
     pub(super) leg: Leg,
 }
 
@@ -101,11 +102,11 @@ impl Progress {
     }
 
     /// Where the leg to the current item begins, (north, east) in m.
-    pub(super) fn from(&self) -> Option<(f64, f64)> {
+    pub(super) fn from(&self) -> Option<Vector2<f64>> {
         self.from
     }
 
-    pub(super) fn set_from(&mut self, from: Option<(f64, f64)>) {
+    pub(super) fn set_from(&mut self, from: Option<Vector2<f64>>) {
         self.from = from;
     }
 

@@ -182,7 +182,7 @@ fn reposition(autopilot: &mut Autopilot, command: &Command) -> Result<(), Comman
     if place.is_some() || autopilot.mode() != Mode::Course {
         autopilot.set_mode(Mode::Loiter);
         let state = autopilot.flight.state();
-        let at = place.map_or((state.x_m, state.y_m), |place| autopilot.reference().locate(place));
+        let at = place.map_or(state.position_m(), |place| autopilot.reference().locate(place));
         let radius_m = if radius_m.is_finite() && radius_m != 0.0 {
             f64::from(radius_m)
         } else {
@@ -209,7 +209,7 @@ fn orbit(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandErro
     let altitude_m = altitude_m(autopilot, command.z)?;
     change_mode(autopilot, Mode::Loiter)?;
     let state = autopilot.flight.state();
-    let at = place.map_or((state.x_m, state.y_m), |place| autopilot.reference().locate(place));
+    let at = place.map_or(state.position_m(), |place| autopilot.reference().locate(place));
     autopilot.flight.reposition(at, radius_m);
     autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
     Ok(())

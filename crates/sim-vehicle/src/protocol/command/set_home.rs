@@ -37,8 +37,8 @@ pub(crate) fn set_home(autopilot: &mut Autopilot, command: &Command) -> Result<(
     let is_above_sea = autopilot.rules().home_is_above_sea;
     let frame = if is_above_sea { MavFrame::MAV_FRAME_GLOBAL as u8 } else { command.frame };
     let altitude_m = autopilot.altitude_m("Home", command.z, frame)?;
-    let (x_m, y_m) = autopilot.reference().locate(position);
-    autopilot.set_home(Home { x_m, y_m, altitude_m });
+    let place = autopilot.reference().locate(position);
+    autopilot.set_home(Home::new(place, altitude_m));
     autopilot.session.home_is_set = true;
     Ok(())
 }
