@@ -23,6 +23,14 @@ impl<W: Write> TlogWriter<W> {
         self.out.write_all(frame_bytes)
     }
 
+    /// Writes what is buffered.
+    ///
+    /// # Errors
+    /// What the output says.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+
     /// Writes what is buffered, and gives back what the log was written to. Without this, errors at the end are lost.
     pub fn finish(self) -> io::Result<W> {
         self.out.into_inner().map_err(io::IntoInnerError::into_error)

@@ -36,6 +36,13 @@ impl Provenance {
         }
     }
 
+    /// Whether the file or a flag says something of a key.
+    pub fn names(&self, key: &str) -> bool {
+        let found =
+            |document: &toml_edit::Document<&str>| self.source.find(document, key).and_then(|found| found.value);
+        self.flag(key).is_some() || self.source.document().as_ref().and_then(found).is_some()
+    }
+
     /// An error with every fault at its place, in the order of the lines, if there is any.
     pub(super) fn refuse(&self, faults: &Faults) -> Result<(), ConfigError> {
         if faults.list.is_empty() {
