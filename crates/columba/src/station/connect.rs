@@ -123,7 +123,7 @@ fn silent(station: &Station, waited: Duration) -> String {
         None => {
             let heard: Vec<String> = heard.iter().map(u8::to_string).collect();
             return format!(
-                "{} of {wanted} vehicles said nothing for {} s; heard are systems {}",
+                "no telemetry from {} of {wanted} vehicles for {} s; heard are systems {}",
                 wanted - heard.len().min(wanted),
                 waited.as_secs(),
                 heard.join(", ")
@@ -133,5 +133,5 @@ fn silent(station: &Station, waited: Duration) -> String {
     let shown = missing.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
     let more = if missing.len() > 8 { format!(" and {} more", missing.len() - 8) } else { String::new() };
     let plural = if missing.len() == 1 { "vehicle" } else { "vehicles" };
-    format!("{plural} {shown}{more} said nothing for {} s", waited.as_secs())
+    format!("no telemetry from {plural} {shown}{more} for {} s", waited.as_secs())
 }

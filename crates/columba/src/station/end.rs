@@ -37,7 +37,7 @@ impl End {
 
     pub(super) fn step(mut self: Box<Self>, station: &mut Station, now: Duration) -> Phase {
         if let Some(fly) = &mut self.fly {
-            let until_s = fly.ended_s.unwrap_or(now.as_secs_f64());
+            let until_s = fly.ended.unwrap_or(now).as_secs_f64();
             fly.settle(station, now, until_s);
         }
         if self.ordered.is_none() && self.spread(station, now) {

@@ -20,12 +20,14 @@ const GROWTH_SHARE: f64 = 0.25;
 const GROWTH_S: f64 = 20.0;
 /// Vehicles at heights that differ by more than this are no obstacles to each other, m.
 const HEIGHT_APART_M: f64 = 25.0;
+/// A tick within this of its time is on time, s.
+const ON_TIME_S: f64 = 0.05;
 /// A tick that comes this share of the period late is told.
 const LATE_SHARE: f64 = 0.25;
 
 /// A tick whose states are not judged yet.
 struct Pending {
-    at_s: f64,
+    at: Duration,
     rows: Vec<Option<(Setpoint, [f64; 3])>>,
     solve_us: f64,
 }
@@ -34,8 +36,8 @@ struct Pending {
 pub struct Fly {
     /// When it began, on the station's clock.
     pub began: Duration,
-    /// When the last tick was over, s on the station's clock; none while it flies.
-    pub ended_s: Option<f64>,
+    /// When the last tick was over, on the station's clock; none while it flies.
+    pub ended: Option<Duration>,
     /// Separation and clearance.
     pub judge: TrackJudge,
     /// Every tick, once all of it is heard.
@@ -70,7 +72,7 @@ impl Fly {
         station.told.tell(now.as_secs_f64(), None, Weight::Note, "the flock flies");
         Ok(Self {
             began: now,
-            ended_s: None,
+            ended: None,
             judge,
             trajectory,
             solves: Vec::new(),
@@ -112,7 +114,7 @@ impl Fly {
         }
         if is_over || station.stopped().is_some() {
             self.completed = is_over;
-            self.ended_s = Some(now.as_secs_f64());
+            self.ended = Some(if is_over { self.next } else { now });
             return Phase::End(Box::new(end::End::new(Some(self), now)));
         }
         if self.resuming {
@@ -176,9 +178,11 @@ impl Fly {
             solve_us += decision.solve.as_secs_f64() * 1e6;
             self.solves.push(decision.solve);
         }
-        if self.ended_s.is_none() {
+        if self.ended.is_none() {
             let solve_us = solve_us / self.members.len().max(1) as f64;
-            self.pending.push_back(Pending { at_s: now.as_secs_f64(), rows, solve_us });
+            // The tick's own time, unless it came late.
+            let at = if late_s < ON_TIME_S { self.next } else { now };
+            self.pending.push_back(Pending { at, rows, solve_us });
         }
         self.tick += 1;
         // After a stall the next tick is a whole period away: ticks are not made up for.
@@ -201,9 +205,9 @@ impl Fly {
             .collect();
         self.judge.judge(&seen, now.as_secs_f64(), until_s);
         let mut ticks = Vec::new();
-        while self.pending.front().is_some_and(|pending| pending.at_s <= self.judge.judged_s()) {
+        while self.pending.front().is_some_and(|pending| pending.at.as_secs_f64() <= self.judge.judged_s()) {
             let Some(pending) = self.pending.pop_front() else { break };
-            let state = |seen: &Seen<'_>| seen.track.at(pending.at_s).map(|(state, _)| state);
+            let state = |seen: &Seen<'_>| seen.track.at(pending.at.as_secs_f64()).map(|(state, _)| state);
             let states: Vec<Option<State>> = seen.iter().map(state).collect();
             ticks.push((pending, states));
         }
@@ -215,7 +219,7 @@ impl Fly {
 
     /// The states at the end of the flight, which no setpoint follows.
     pub(super) fn last(&mut self, station: &mut Station, now: Duration) {
-        let ended_s = self.ended_s.unwrap_or(now.as_secs_f64());
+        let ended = self.ended.unwrap_or(now);
         let rows = station
             .crew()
             .map(|index| {
@@ -224,9 +228,11 @@ impl Fly {
                 row.setpoint.is_finite().then_some((row.setpoint, row.alpha))
             })
             .collect();
-        let states: Vec<Option<State>> =
-            station.crew().map(|index| station.vehicles[index].track.at(ended_s).map(|(state, _)| state)).collect();
-        let line = self.record(Pending { at_s: ended_s, rows, solve_us: 0.0 }, &states);
+        let states: Vec<Option<State>> = station
+            .crew()
+            .map(|index| station.vehicles[index].track.at(ended.as_secs_f64()).map(|(state, _)| state))
+            .collect();
+        let line = self.record(Pending { at: ended, rows, solve_us: 0.0 }, &states);
         station.journal.push(line);
     }
 
@@ -241,7 +247,7 @@ impl Fly {
             climb_mps: f64::NAN,
         };
         const NONE: Setpoint = Setpoint { speed_mps: f64::NAN, course_rad: f64::NAN, altitude_m: f64::NAN };
-        let t_s = pending.at_s - self.began.as_secs_f64();
+        let t_s = pending.at.saturating_sub(self.began).as_secs_f64();
         let [min_separation_m, min_clearance_m] = self.judge.take_recent_m();
         let rows: Vec<Row> = (0..self.trajectory.vehicles)
             .map(|index| {

@@ -103,9 +103,9 @@ impl TrackJudge {
         }
     }
 
-    /// Time on the ground's clock up to which all is judged, s.
+    /// The last time on the ground's clock that is judged, s; before the start when nothing is.
     pub fn judged_s(&self) -> f64 {
-        self.start_s + STEP_S * self.steps as f64
+        self.start_s + STEP_S * (self.steps as f64 - 1.0)
     }
 
     /// The least separation and clearance since they were last taken, m.
