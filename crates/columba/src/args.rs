@@ -50,6 +50,7 @@ Examples:
                                            two hundred behind one port, told apart by their system ids
   columba vehicles --swarm swarminit.txt   starts as ArduPilot's sim_vehicle.py --swarm reads them
   columba vehicles --param WP_LOITER_RAD=80 --param FS_GCS_ENABL=1
+  columba vehicles --defaults plane.parm   with the parameters of a real autopilot, as it or a ground station saved them
 
 A vehicle answers whoever speaks to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends it.";
 
@@ -174,6 +175,10 @@ pub struct VehiclesArgs {
     /// with --count only the first so many.
     #[arg(long, value_name = "FILE")]
     pub swarm: Option<PathBuf>,
+    /// Parameter file of ArduPilot, PX4 or a ground station: the vehicles start with its values. Parameters that they do not
+    /// use are there for clients all the same. May be given several times; the last value of a name counts.
+    #[arg(long, value_name = "FILE")]
+    pub defaults: Vec<PathBuf>,
     /// Sets a parameter of every vehicle at the start, as WP_LOITER_RAD=80; may be given several times.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = parameter)]
     pub parameters: Vec<(String, f64)>,
@@ -300,9 +305,12 @@ pub struct CompareArgs {
     /// Seed of the flights that are drawn; by default the first.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub figure_seed: Option<u64>,
-    /// Folder of the comparison, made where it is missing; by default compare/ and the scenarios' names.
+    /// Folder of the comparison: new, empty, or one that is continued; by default compare/ and the scenarios' names.
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty and that no comparison has written: replaces files of the same names.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `columba check`.
@@ -334,9 +342,12 @@ pub struct SuitesArgs {
     /// Variables of each problem, 3 to 1000; by default as is customary: ZDT1-3 30, ZDT4 and 6 10, DTLZ1 7, DTLZ2 12.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = dimensions)]
     pub dimensions: Option<usize>,
-    /// Folder for the results, made where it is missing.
-    #[arg(long, short, value_name = "FOLDER", default_value = "runs/suites")]
-    pub out: PathBuf,
+    /// Folder for the results, new or empty; by default runs/suites, with a number where that is not empty.
+    #[arg(long, short, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty: replaces the files of earlier results, keeps all others.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// What `run` and `fly` change of a file.
@@ -354,9 +365,12 @@ pub struct FlightArgs {
     /// Flight time in seconds, at least one control period; the last period is flown whole.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
     pub duration: Option<f64>,
-    /// Folder of the run, made where it is missing; by default runs/ and the scenario's name.
+    /// Folder of the run, new or empty; by default runs/ and the scenario's name, with a number where that is not empty.
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty: replaces the files of an earlier run, keeps all others.
+    #[arg(long)]
+    pub force: bool,
     /// UDP port of the controller; 0: any free one. By default 14550 for fly, any free one for run.
     #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
     pub ground_port: Option<u16>,

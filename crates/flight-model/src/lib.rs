@@ -31,5 +31,5 @@ pub use autopilot::Autopilot;
 pub use dynamics::{Dynamics, Limits, TimeConstants};
 pub use frame::{Geodetic, LocalFrame};
 pub use gusts::Gusts;
-pub use state::{Setpoint, State};
+pub use state::{Setpoint, State, course_vector};
 pub use wind::Wind;

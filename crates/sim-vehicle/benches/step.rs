@@ -51,7 +51,7 @@ fn within_a_fence_of_100_corners(bencher: Bencher<'_, '_>) {
     };
     let plans = Plans { fence: (0..CORNERS).map(corner).collect(), ..Plans::default() };
     let parameters = vec![("FENCE_ENABLE".to_owned(), 1.0)];
-    fly(bencher, VehicleSettings { ground: None, plans, parameters, ..settings });
+    fly(bencher, VehicleSettings { ground: None, plans, default_parameters: parameters, ..settings });
 }
 
 #[divan::bench]

@@ -23,7 +23,7 @@ pub use host::clock::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer,
 pub use host::{Host, HostReport, HostSettings};
 pub use links::{PeerId, Transmit};
 pub use mode::{Mode, NoSuchMode};
-pub use parameters::file::ParameterFileError;
+pub use parameters::file::{ParameterFile, ParameterFileError, Place};
 pub use parameters::{ParameterFault, check_parameters};
 pub use protocol::mission::{PlanFileError, Plans};
 pub use settings::{LockstepSettings, SettingsError, TelemetryRates, VehicleSettings};

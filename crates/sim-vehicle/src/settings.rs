@@ -2,6 +2,7 @@
 
 use crate::firmware::Personality;
 use crate::mode::Mode;
+use crate::parameters::file::{ParameterFile, Place};
 use crate::protocol::mission::Plans;
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use std::net::SocketAddr;
@@ -41,10 +42,12 @@ pub struct VehicleSettings {
     pub clock_epoch_us: u64,
     /// Where telemetry goes unasked.
     pub ground: Option<SocketAddr>,
-    /// Parameters in place of the vehicle's own defaults, by name, in order.
+    /// Parameter files in place of the vehicle's own defaults. What the vehicle does not know is kept for its clients.
+    pub parameter_files: ParameterFile,
+    /// Parameters in place of these and of the vehicle's own defaults, by name, in order.
     pub default_parameters: Vec<(String, f32)>,
-    /// Parameters that were set before, by name, in order; they go before those above.
-    pub parameters: Vec<(String, f32)>,
+    /// Parameters that clients set before a restart; they take precedence over those above.
+    pub kept_parameters: ParameterFile,
     /// Seed of all noise, as the scenario has it.
     pub seed: u64,
     /// The vehicle's number among those of one seed: each has its own noise.
@@ -109,10 +112,13 @@ pub enum SettingsError {
     #[error("{0}")]
     Plan(String),
     /// A parameter that the vehicle does not have, or a value of it that it refuses.
-    #[error("{reason}")]
-    Parameter {
-        /// Its name.
-        name: String,
+    #[error("{0}")]
+    Parameter(String),
+    /// A line of a parameter file has a value that the vehicle refuses.
+    #[error("{place}: {reason}")]
+    ParameterFile {
+        /// File and line.
+        place: Place,
         /// What is wrong, the name included.
         reason: String,
     },
@@ -147,8 +153,9 @@ impl Default for VehicleSettings {
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+            parameter_files: ParameterFile::default(),
             default_parameters: Vec::new(),
-            parameters: Vec::new(),
+            kept_parameters: ParameterFile::default(),
             seed: 0,
             number: 0,
             plans: Plans::default(),

@@ -15,14 +15,14 @@ use crate::links::PeerId;
 use crate::links::Transmit;
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
-use crate::parameters::{Parameter, ParameterRefused, Parameters};
+use crate::parameters::{Parameter, Parameters};
 use crate::protocol::mission::{PlanKind, Uploads};
 use crate::protocol::parameter::{Listings, Pace};
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
 use crate::telemetry::streams::Stream;
 use crate::world::World;
 use flight_model::{Setpoint, State};
-use mavlink_bridge::{Counters, Incoming, SetpointRefusal, incoming};
+use mavlink_bridge::{Counters, Incoming, SetpointError, incoming};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -90,7 +90,7 @@ pub enum SetpointRefused {
     NotGuided(Mode),
     /// The setpoint itself cannot be flown.
     #[error(transparent)]
-    Setpoint(#[from] SetpointRefusal),
+    Setpoint(#[from] SetpointError),
 }
 
 impl Vehicle {
@@ -142,11 +142,7 @@ impl Vehicle {
             wire: Counters::default(),
             settings,
         };
-        let defaults = std::mem::take(&mut vehicle.settings.default_parameters);
-        let kept = std::mem::take(&mut vehicle.settings.parameters);
-        vehicle.take_parameters(defaults)?;
-        vehicle.parameters.make_defaults();
-        vehicle.take_parameters(kept)?;
+        vehicle.start_parameters()?;
         let plans = std::mem::take(&mut vehicle.settings.plans);
         vehicle.restore_plans(plans)?;
         vehicle.parameters_changed = false;
@@ -157,17 +153,6 @@ impl Vehicle {
         vehicle.restart_setpoint_timeout();
         (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
         Ok(vehicle)
-    }
-
-    fn take_parameters(&mut self, values: Vec<(String, f32)>) -> Result<(), SettingsError> {
-        for (name, value) in values {
-            let taken = match self.parameters.named(&name) {
-                Some(known) => self.set_parameter(known, value),
-                None => Err(ParameterRefused::Unknown(name.clone())),
-            };
-            taken.map_err(|refused| SettingsError::Parameter { name, reason: refused.to_string() })?;
-        }
-        Ok(())
     }
 
     /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
@@ -211,7 +196,7 @@ impl Vehicle {
     pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointRefused> {
         self.check_guided()?;
         if !setpoint.is_finite() {
-            return Err(SetpointRefusal::NotFinite.into());
+            return Err(SetpointError::NotFinite.into());
         }
         self.flight.set_ground_speed(setpoint.speed_mps);
         self.flight.set_course(setpoint.course_rad, f64::INFINITY);
@@ -298,8 +283,13 @@ impl Vehicle {
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
-    pub fn set_parameters(&self) -> impl Iterator<Item = (&'static str, f32)> {
+    pub fn set_parameters(&self) -> impl Iterator<Item = (&str, f64)> {
         self.parameters.kept()
+    }
+
+    /// Names of the parameters that come from a parameter file and change nothing: clients list, read and set them.
+    pub fn inert_parameters(&self) -> impl Iterator<Item = &str> {
+        self.parameters.inert_names()
     }
 
     /// Whether a parameter has been set since this was last asked.

@@ -16,8 +16,13 @@ fn in_wind(speed_mps: f32, from_deg: f32, gusts_mps: f32) -> Client {
     let parameters =
         [("SIM_WIND_SPD", speed_mps), ("SIM_WIND_DIR", from_deg), ("SIM_WIND_TURB", gusts_mps), ("SIM_WIND_TC", 0.0)];
     let parameters = parameters.map(|(name, value)| (name.to_owned(), value)).to_vec();
-    let mut client =
-        Client::new(VehicleSettings { parameters, setpoint_timeout_s: 0.0, seed: 5, number: 3, ..quiet() });
+    let mut client = Client::new(VehicleSettings {
+        default_parameters: parameters,
+        setpoint_timeout_s: 0.0,
+        seed: 5,
+        number: 3,
+        ..quiet()
+    });
     client.fly(20.0);
     client
 }
@@ -150,7 +155,7 @@ fn a_wind_too_strong_is_said_to_be_and_leaves_it_flying() {
 fn each_vehicle_has_its_own_gusts_and_each_run_the_same() {
     let fly = |seed, number| {
         let parameters = vec![("SIM_WIND_TURB".to_owned(), 1.0)];
-        Client::new(VehicleSettings { parameters, seed, number, ..quiet() }).fly(5.0)
+        Client::new(VehicleSettings { default_parameters: parameters, seed, number, ..quiet() }).fly(5.0)
     };
     assert_eq!(fly(1, 1), fly(1, 1));
     assert_ne!(fly(1, 1), fly(1, 2));

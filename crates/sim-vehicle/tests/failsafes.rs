@@ -9,7 +9,8 @@ use sim_vehicle::{Mode, VehicleSettings};
 
 fn client(parameters: &[(&str, f32)]) -> Client {
     let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let mut client = Client::new(VehicleSettings { parameters, setpoint_timeout_s: 0.0, ..quiet() });
+    let mut client =
+        Client::new(VehicleSettings { default_parameters: parameters, setpoint_timeout_s: 0.0, ..quiet() });
     client.ask(&Message::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
     client
 }
@@ -114,7 +115,7 @@ fn a_gps_and_a_battery_stand_against_arming() {
         ("BATT_CRT_MAH", 3500.0, "Arm: Battery 1 critical capacity failsafe"),
     ] {
         let parameters = vec![(name.to_owned(), value)];
-        let mut client = Client::new(VehicleSettings { parameters, armed: false, ..quiet() });
+        let mut client = Client::new(VehicleSettings { default_parameters: parameters, armed: false, ..quiet() });
         client.ask(&Message::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
         let said = client.ask(&common::long(common::TARGET, MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]));
         assert_eq!(texts(&said), [reason]);

@@ -91,7 +91,7 @@ fn a_tail_wind_makes_the_run_longer_and_no_more() {
     for wind_mps in [0.0f32, 6.0, 9.0] {
         let parameters = [("SIM_WIND_SPD", wind_mps), ("SIM_WIND_DIR", 180.0), ("SIM_WIND_TC", 0.0)];
         let parameters = parameters.map(|(name, value)| (name.to_owned(), value)).to_vec();
-        let mut client = Client::new(VehicleSettings { on_ground: true, parameters, ..quiet() });
+        let mut client = Client::new(VehicleSettings { on_ground: true, default_parameters: parameters, ..quiet() });
         client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 13.0, 0.0]);
         client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]);
         client.fly(60.0);

@@ -372,7 +372,7 @@ fn legs_are_flown_along_their_lines() {
     let corner = |(north, east)| item(MAV_CMD_NAV_WAYPOINT, [0.0, 10.0, 0.0, 0.0], north, east, 50.0);
     let items: Vec<PlanItem> = [(0.0, 0.0)].iter().chain(&corners).copied().map(corner).collect();
     let parameters = vec![("SIM_WIND_SPD".to_owned(), 6.0), ("SIM_WIND_DIR".to_owned(), 45.0)];
-    let mut client = Client::new(VehicleSettings { parameters, ..quiet() });
+    let mut client = Client::new(VehicleSettings { default_parameters: parameters, ..quiet() });
     assert_eq!(upload(&mut client, &items), Some(MAV_MISSION_ACCEPTED));
     client.command_long(MAV_CMD_MISSION_START, [0.0; 3]);
     let track = client.fly(300.0);

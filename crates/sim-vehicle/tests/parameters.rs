@@ -140,7 +140,8 @@ fn a_write_is_told_to_everybody_and_a_refusal_to_who_asked() {
     assert_eq!(heard.len(), 2);
     assert!(heard.values().all(|values| values.len() == 1 && values[0].param_value == 45.0));
 
-    let before = client.vehicle.set_parameters().collect::<Vec<_>>();
+    let owned = |(name, value): (&str, f64)| (name.to_owned(), value);
+    let before = client.vehicle.set_parameters().map(owned).collect::<Vec<_>>();
     for (name, value, error) in [
         ("WP_LOITER_RAD", f32::NAN, MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE),
         ("AIRSPEED_MAX", f32::INFINITY, MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE),
@@ -154,7 +155,7 @@ fn a_write_is_told_to_everybody_and_a_refusal_to_who_asked() {
         assert_eq!(errors(&answer), [error]);
         assert!(texts(&answer)[0].contains(name), "{name}");
     }
-    assert_eq!(client.vehicle.set_parameters().collect::<Vec<_>>(), before);
+    assert_eq!(client.vehicle.set_parameters().map(owned).collect::<Vec<_>>(), before);
 }
 
 #[test]
@@ -249,8 +250,8 @@ fn another_system_id_is_taken_at_once() {
 
 #[test]
 fn what_was_set_before_is_so_from_the_start() {
-    let parameters = vec![("WP_LOITER_RAD".to_owned(), 33.0), ("MAV_SYSID".to_owned(), 9.0)];
-    let mut client = Client::new(VehicleSettings { parameters, ..quiet() });
+    let kept_parameters = [("WP_LOITER_RAD".to_owned(), 33.0), ("MAV_SYSID".to_owned(), 9.0)].into_iter().collect();
+    let mut client = Client::new(VehicleSettings { kept_parameters, ..quiet() });
     assert_eq!(client.vehicle.settings().system_id, 9);
     assert!(!client.vehicle.take_parameters_changed());
     assert_eq!(client.vehicle.set_parameters().count(), 2);
@@ -258,7 +259,8 @@ fn what_was_set_before_is_so_from_the_start() {
     for (name, value, words) in
         [("NOPE", 1.0, "No parameter NOPE"), ("MAV_SYSID", 0.0, "MAV_SYSID 0 is outside [1, 250]")]
     {
-        let settings = VehicleSettings { parameters: vec![(name.to_owned(), value)], ..quiet() };
+        let kept_parameters = [(name.to_owned(), value)].into_iter().collect();
+        let settings = VehicleSettings { kept_parameters, ..quiet() };
         assert_eq!(Vehicle::new(settings).unwrap_err().to_string(), words);
     }
 }

@@ -437,7 +437,7 @@ fn who_climbs_out_of_a_fence_comes_back_below_it() {
         let kind = if name == "FENCE_ALT_MAX" { 1.0 } else { 8.0 };
         let parameters = [(name, limit_m), ("FENCE_TYPE", kind), ("FENCE_ENABLE", 1.0)];
         let parameters = parameters.map(|(name, value)| (name.to_owned(), value)).to_vec();
-        let mut client = Client::new(VehicleSettings { parameters, ..quiet() });
+        let mut client = Client::new(VehicleSettings { default_parameters: parameters, ..quiet() });
         client.fly(1.0);
         assert_eq!(
             client.command_int(

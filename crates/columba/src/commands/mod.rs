@@ -17,11 +17,11 @@ pub use run::run;
 pub use suites::suites;
 pub use vehicles::vehicles;
 
-use crate::args::Cli;
+use crate::args::{Cli, FlightArgs};
 use crate::config::Scenario;
 use crate::flight::Flight;
 use crate::flying::{self, Log, Stop};
-use crate::record::{self, RunFolder};
+use crate::record::{self, Occupied, RecordError, RunFolder};
 use crate::report;
 use crate::station::record::drawable;
 use anyhow::{Context, anyhow};
@@ -88,11 +88,36 @@ fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Resul
 }
 
 /// The run's folder, tried before the flight. Made last of all that can be refused, so that nothing is left of a run that is.
-fn open_folder(scenario: &Scenario) -> anyhow::Result<RunFolder> {
-    RunFolder::create(&scenario.folder).map_err(|error| {
-        let whence = scenario.provenance.of("output.folder", "--out");
-        anyhow!("{whence}: {error}: must be a folder that can be made and written into")
-    })
+fn open_folder(scenario: &Scenario, args: &FlightArgs) -> anyhow::Result<RunFolder> {
+    let occupied = occupied(args.out.is_some(), args.force);
+    RunFolder::open(&scenario.folder, occupied)
+        .map_err(|error| folder_refused(&scenario.provenance.of("output.folder", "--out"), error))
+}
+
+/// What a command does with a folder that is not empty: nothing is overwritten without `--force`.
+fn occupied(named: bool, force: bool) -> Occupied {
+    match (named, force) {
+        (_, true) => Occupied::Overwrite,
+        (true, false) => Occupied::Refuse,
+        (false, false) => Occupied::Number,
+    }
+}
+
+/// A folder that cannot be used, and what would be right.
+fn folder_refused(whence: &str, error: RecordError) -> anyhow::Error {
+    match error {
+        RecordError::Occupied { .. } => {
+            anyhow!("{whence}: {error}: must be a new or an empty folder; --force replaces the files of an earlier run")
+        }
+        error => anyhow!("{whence}: {error}: must be a folder that can be made and written into"),
+    }
+}
+
+/// To standard output: that a folder was not overwritten.
+fn print_kept(folder: &RunFolder) {
+    if let Some(kept) = folder.kept() {
+        print_line(format_args!("  {} is not empty and was kept: --force writes into it", kept.display()));
+    }
 }
 
 /// The controller's port that cannot be bound.
@@ -194,12 +219,10 @@ fn told(cli: &Cli, scenario: &Scenario, folder: &RunFolder, flight: &Flight, wit
     }
 }
 
-/// What the report leaves beside its page.
-const FIGURES: [&str; 6] = ["paths", "speeds", "courses", "altitudes", "distances", "alphas"];
-
 /// Removes what an older run left in the folder and this one does not write: it would tell of another flight.
 fn remove_older(folder: &RunFolder, log: bool, report: bool) -> anyhow::Result<()> {
-    let figures = FIGURES.iter().flat_map(|name| ["svg", "png"].map(|kind| format!("figures/{name}.{kind}")));
+    let figures =
+        report::figures::NAMES.iter().flat_map(|name| ["svg", "png"].map(|kind| format!("figures/{name}.{kind}")));
     let report = figures.chain(["report.html".to_owned()]).filter(|_| report);
     for name in report.chain(log.then(|| "flight.tlog".to_owned())) {
         let path = folder.path().join(name);
@@ -247,4 +270,5 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
     let what = if with_report { "report" } else { "record" };
     let file = if with_report { "report.html" } else { "summary.json" };
     print_line(format_args!("  {what}: {}", folder.path().join(file).display()));
+    print_kept(folder);
 }

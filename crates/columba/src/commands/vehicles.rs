@@ -7,7 +7,7 @@ use crate::config::{self, GROUND_PORT, Overrides, Scenario, VEHICLE_PORT};
 use crate::flying;
 use anyhow::{Context, anyhow};
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Host, HostError, HostReport, HostSettings};
+use sim_vehicle::{Host, HostError, HostReport, HostSettings, Vehicle};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -40,6 +40,9 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
             HostError::Link(_) | HostError::TooManyPorts { .. } => vehicle_port_refused(&scenario, error),
             other => other.into(),
         })?;
+        if !cli.quiet {
+            tell_inert(&host);
+        }
         if args.json || !cli.quiet {
             let table = Table::of(&host, speed);
             let words = if args.json { table.json() } else { table.words() };
@@ -65,6 +68,7 @@ fn overrides(args: &VehiclesArgs) -> Overrides {
         swarm: args.swarm.clone(),
         vehicles_per_port: args.per_port,
         parameters: args.parameters.clone(),
+        parameter_files: args.defaults.clone(),
         on_ground: args.on_ground,
         personality: args.personality,
         ..Overrides::default()
@@ -91,6 +95,21 @@ fn check_apart(scenario: &Scenario, base_port: u16) -> anyhow::Result<()> {
         )),
         None => Ok(()),
     }
+}
+
+/// Names the parameters of files that the vehicles only keep, in one line: all vehicles have the same.
+fn tell_inert(host: &Host) {
+    const NAMED_MAX: usize = 8;
+    let names: Vec<&str> = host.vehicles().next().into_iter().flat_map(Vehicle::inert_parameters).collect();
+    if names.is_empty() {
+        return;
+    }
+    let named = names.iter().take(NAMED_MAX).copied().collect::<Vec<_>>().join(", ");
+    let more = match names.len().saturating_sub(NAMED_MAX) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    eprintln!("columba: kept for clients and not used by the vehicles: {named}{more}");
 }
 
 /// Says so if the vehicles fell behind the clock: by less than a hundredth, nobody can tell.

@@ -1,11 +1,11 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use super::obstacles::{ObstacleTable, ObstaclesTable};
+use super::parameters::ParametersTable;
 use super::swarm::Place;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use optimizer::OptimizerSettings;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The whole file.
@@ -47,9 +47,9 @@ pub struct ScenarioFile {
     /// What they do beside flying.
     #[serde(default)]
     pub autopilot: AutopilotTable,
-    /// The vehicles' parameters at the start, by name.
+    /// The vehicles' parameters at the start.
     #[serde(default)]
-    pub parameters: BTreeMap<String, f64>,
+    pub parameters: ParametersTable,
     /// The link.
     #[serde(default)]
     pub link: LinkTable,

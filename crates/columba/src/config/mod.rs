@@ -1,5 +1,5 @@
 //! Scenario files: read, checked, and turned into what flies. `file.rs` is the file as written, `check/` its rules;
-//! `swarm.rs` a file of starts;
+//! `swarm.rs` a file of starts, `parameters.rs` parameter files;
 //! `source.rs`, `spot.rs`, `refusal.rs` and `provenance.rs` say what is wrong, and where; `contender.rs` and `layer.rs` are what a
 //! comparison lays over a scenario.
 
@@ -8,6 +8,7 @@ mod contender;
 mod file;
 mod layer;
 mod obstacles;
+mod parameters;
 mod patterns;
 mod preset;
 mod provenance;
@@ -64,6 +65,8 @@ fn parse(source: Source, overrides: &Overrides) -> Result<Scenario, ConfigError>
 fn tables(source: Source, overrides: &Overrides) -> Result<(ScenarioFile, Provenance), ConfigError> {
     let mut file: ScenarioFile = source.parse()?;
     read_swarm(&mut file, &source, overrides)?;
+    let folder = Path::new(source.name()).parent().unwrap_or(Path::new(""));
+    file.parameters.read(folder, &overrides.parameter_files)?;
     preset::apply(&mut file, &source)?;
     let provenance = Provenance::new(source, overrides);
     let mut faults = check::Faults::default();

@@ -65,6 +65,9 @@ impl Provenance {
     /// The line of a fault, 0 where it has none, and its message.
     fn tell(&self, fault: &Fault, find: &dyn Fn(&str) -> Option<Found>) -> (usize, String) {
         let (key, wanted) = (&fault.key, &fault.wanted);
+        if let (Some(place), Some(subject)) = (&fault.place, &fault.subject) {
+            return (0, format!("{place}: {subject}: {wanted}"));
+        }
         if let Some(flag) = self.flag(key) {
             let subject = fault.subject.as_ref().map(|subject| format!(": {subject}")).unwrap_or_default();
             return (0, format!("{flag}{subject}: {wanted}"));

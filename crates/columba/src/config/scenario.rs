@@ -6,7 +6,7 @@ use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
 use mavlink_bridge::ImpairmentSettings;
 use optimizer::{Algorithm, OptimizerSettings};
-use sim_vehicle::Personality;
+use sim_vehicle::{ParameterFile, Personality};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::net::IpAddr;
@@ -46,6 +46,8 @@ pub struct Scenario {
     pub autopilot: AutopilotTable,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,
+    /// Parameter files, over which these lie.
+    pub parameter_files: ParameterFile,
     /// The link.
     pub link: Link,
     /// The run's folder.
@@ -109,6 +111,8 @@ pub struct Overrides {
     pub vehicles_per_port: Option<usize>,
     /// `--param`, each NAME and value; the last of a name counts.
     pub parameters: Vec<(String, f64)>,
+    /// `--defaults`: parameter files after those of the file.
+    pub parameter_files: Vec<PathBuf>,
 }
 
 impl Overrides {
@@ -156,7 +160,7 @@ impl Overrides {
         file.optimizer.algorithm = self.algorithm.unwrap_or(file.optimizer.algorithm);
         file.link.loss = self.loss.unwrap_or(file.link.loss);
         file.link.vehicles_per_port = self.vehicles_per_port.unwrap_or(file.link.vehicles_per_port);
-        file.parameters.extend(self.parameters.iter().cloned());
+        file.parameters.values.extend(self.parameters.iter().cloned());
         if self.count.is_some() || self.swarm.is_some() {
             file.vehicle.clear();
             file.vehicles.get_or_insert(PatternTable::DEFAULT);
@@ -204,7 +208,8 @@ impl Scenario {
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
-            parameters: file.parameters.into_iter().map(|(name, value)| (name, value as f32)).collect(),
+            parameter_files: file.parameters.read,
+            parameters: file.parameters.values.into_iter().map(|(name, value)| (name, value as f32)).collect(),
             link: Link {
                 host: file.link.host.parse().unwrap_or(IpAddr::from([127, 0, 0, 1])),
                 vehicle_port: file.link.vehicle_port,

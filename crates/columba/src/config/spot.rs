@@ -120,7 +120,8 @@ pub fn misplaced_array(table: &dyn TableLike, path: &str) -> Option<(String, Ran
         let path = join(path, name);
         let is_list = path == "vehicle" || path == "obstacle";
         let all_tables = item.as_array().is_none_or(|array| array.iter().all(Value::is_inline_table));
-        if (item.is_array() || item.is_array_of_tables()) && !(is_list && all_tables) {
+        let is_files = path == "parameters.files" && item.is_array();
+        if (item.is_array() || item.is_array_of_tables()) && !(is_list && all_tables) && !is_files {
             return Some((path, item.span().unwrap_or_default()));
         }
         for (path, row) in rows(&path, item) {

@@ -34,6 +34,8 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
     let autopilot = &scenario.autopilot;
     let parameters: Vec<(String, f32)> =
         scenario.parameters.iter().map(|(name, value)| (name.clone(), *value)).collect();
+    let files = &scenario.parameter_files;
+    let parameter_files = if scenario.starts.len() > 1 { files.without_system_id() } else { files.clone() };
     let vehicle = |(index, start): (usize, &flight_model::State)| VehicleSettings {
         seed: scenario.seed,
         number: index as u64,
@@ -59,6 +61,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         loiter_radius_m: autopilot.loiter_radius_m,
         clock_epoch_us,
         ground,
+        parameter_files: parameter_files.clone(),
         default_parameters: parameters.clone(),
         ..VehicleSettings::default()
     };

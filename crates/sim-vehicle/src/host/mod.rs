@@ -7,7 +7,7 @@ pub(crate) mod system_ids;
 use crate::counters::VehicleCounters;
 use crate::host::clock::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
 use crate::host::endpoint::{Endpoint, EndpointReport, Shell, stopped};
-use crate::parameters::file;
+use crate::parameters::file::{self, ParameterFileError};
 use crate::protocol::mission as plans;
 use crate::protocol::parameter::Pace;
 use crate::settings::{SettingsError, VehicleSettings};
@@ -89,18 +89,18 @@ impl Host {
             .enumerate()
             .map(|(vehicle, mut own)| {
                 if let Some(folder) = &settings.state_folder {
-                    own.parameters = file::read(&file::path(folder, vehicle))?;
+                    own.kept_parameters = file::read_kept(&file::path(folder, vehicle))?;
                     own.plans = plans::file::read(folder, vehicle)?;
                 }
                 let built = match settings.clock {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
                     Clock::RealTime { .. } => Vehicle::new(own),
                 };
-                let mut built = built.map_err(|source| match (&settings.state_folder, source) {
-                    (Some(folder), SettingsError::Parameter { name, reason }) => {
-                        file::refused(file::path(folder, vehicle), &name, reason).into()
+                let mut built = built.map_err(|source| match source {
+                    SettingsError::ParameterFile { place, reason } => {
+                        ParameterFileError::Refused { place, reason }.into()
                     }
-                    (_, source) => HostError::Vehicle { vehicle, source },
+                    source => HostError::Vehicle { vehicle, source },
                 })?;
                 built.keep_pace(Arc::clone(&pace));
                 Ok(built)

@@ -1,7 +1,8 @@
 //! Whether the parameters that settings start with are the vehicle's, and in their ranges; for those who check settings
 //! before anything flies.
 
-use super::{ParameterRefused, Parameters};
+use super::file::Place;
+use super::{Listed, ParameterRefused, Parameters, in_any_order};
 use crate::settings::VehicleSettings;
 
 /// A parameter that a vehicle does not take at the start.
@@ -11,28 +12,49 @@ pub struct ParameterFault {
     pub name: String,
     /// The value.
     pub value: f32,
+    /// The line of the parameter file that has it; none where no file has.
+    pub place: Option<Place>,
     /// What it must be.
     pub wanted: String,
 }
 
-/// What is wrong with [`VehicleSettings::default_parameters`]; nothing if a vehicle takes them all.
+/// What is wrong with [`VehicleSettings::parameter_files`] and [`VehicleSettings::default_parameters`]; nothing if a
+/// vehicle takes them all.
 pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
     let mut parameters = Parameters::new(settings);
-    let mut refuse = |name: &str, value: f32| {
-        let refused = match parameters.named(name) {
-            Some(parameter) => parameters.set(parameter, value),
-            None => Err(ParameterRefused::Unknown(name.to_owned())),
+    let known = parameters.adopt(&settings.parameter_files);
+    let refused = in_any_order(known, |parameter, value| parameters.set(parameter, value));
+    let mut faults: Vec<ParameterFault> = refused
+        .into_iter()
+        .map(|(entry, reason)| ParameterFault {
+            name: entry.name.clone(),
+            value: entry.value as f32,
+            place: entry.place.clone(),
+            wanted: wanted(&reason),
+        })
+        .collect();
+    for (name, value) in &settings.default_parameters {
+        let taken = match parameters.find(name) {
+            Some(Listed::Acting(parameter)) => parameters.set(parameter, *value),
+            Some(Listed::Inert(index)) => parameters.set_inert(index, f64::from(*value)),
+            None => Err(ParameterRefused::Unknown(name.clone())),
         };
-        let wanted = match refused.err()? {
-            ParameterRefused::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
-            ParameterRefused::ReadOnly(_) => "left out: it is only read".to_owned(),
-            ParameterRefused::Type(_) | ParameterRefused::NotFinite(_) => "a finite number".to_owned(),
-            ParameterRefused::SystemIdTaken(_) => "a number that no other vehicle of the port has".to_owned(),
-            ParameterRefused::Range { least, most, .. } => format!("a number from {least} to {most}"),
-        };
-        Some(ParameterFault { name: name.to_owned(), value, wanted })
-    };
-    settings.default_parameters.iter().filter_map(|(name, value)| refuse(name, *value)).collect()
+        if let Err(reason) = taken {
+            faults.push(ParameterFault { name: name.clone(), value: *value, place: None, wanted: wanted(&reason) });
+        }
+    }
+    faults
+}
+
+/// What would be right instead.
+fn wanted(refused: &ParameterRefused) -> String {
+    match refused {
+        ParameterRefused::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
+        ParameterRefused::ReadOnly(_) => "left out: it is only read".to_owned(),
+        ParameterRefused::Type(_) | ParameterRefused::NotFinite(_) => "a finite number".to_owned(),
+        ParameterRefused::SystemIdTaken(_) => "a number that no other vehicle of the port has".to_owned(),
+        ParameterRefused::Range { least, most, .. } => format!("a number from {least} to {most}"),
+    }
 }
 
 #[cfg(test)]

@@ -1,18 +1,24 @@
 //! The vehicle's parameters: names, types, ranges and values, in ArduPlane 4.7's vocabulary.
 //!
-//! Every one of them acts; what this flight model has no meaning for is not in the list.
+//! Every parameter of the table acts. A parameter file may bring others, which are inert: clients list, read and set them,
+//! and they change nothing.
 
 mod check;
+mod defaults;
 pub(crate) mod file;
+mod inert;
 mod table;
 
 pub use check::{ParameterFault, check_parameters};
+pub(crate) use defaults::in_any_order;
 pub(crate) use table::{Effect, Parameter};
 
 use crate::autopilot::flight::Tuning;
 use crate::firmware::Personality;
 use crate::settings::VehicleSettings;
+use inert::Inert;
 use mavlink_bridge::dialect::MavParamType;
+use std::borrow::Cow;
 
 /// Why a value is not taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -20,15 +26,24 @@ pub(crate) enum ParameterRefused {
     #[error("No parameter {0}")]
     Unknown(String),
     #[error("Param write denied ({0})")]
-    ReadOnly(&'static str),
+    ReadOnly(Cow<'static, str>),
     #[error("{0} is of another type")]
-    Type(&'static str),
+    Type(Cow<'static, str>),
     #[error("MAV_SYSID {0} is another vehicle's on this port")]
     SystemIdTaken(u8),
     #[error("{0} is not a finite number")]
-    NotFinite(&'static str),
+    NotFinite(Cow<'static, str>),
     #[error("{name} {value} is outside [{least}, {most}]")]
     Range { name: &'static str, value: f32, least: f32, most: f32 },
+}
+
+/// One parameter of a vehicle's list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Listed {
+    /// One that acts.
+    Acting(Parameter),
+    /// One that is only kept, by its index among these.
+    Inert(usize),
 }
 
 /// The values of one vehicle.
@@ -42,6 +57,8 @@ pub(crate) struct Parameters {
     is_set: [bool; Parameter::COUNT],
     /// Whether it was set before the start, and not since: then the settings keep it.
     is_default: [bool; Parameter::COUNT],
+    /// Behind those of the list.
+    inert: Inert,
     speed_limits_mps: (f32, f32),
     roll_limit_deg: f32,
     rate_max_hz: f32,
@@ -61,25 +78,76 @@ impl Parameters {
             values,
             is_set: [false; Parameter::COUNT],
             is_default: [false; Parameter::COUNT],
+            inert: Inert::default(),
             speed_limits_mps: (limits.speed_min_mps as f32, limits.speed_max_mps as f32),
             roll_limit_deg: Self::roll_limit_deg(settings),
             rate_max_hz: settings.fastest_hz().floor() as f32,
         }
     }
 
-    /// Those that the vehicle has, in the order of their indices.
-    pub fn list(&self) -> &[Parameter] {
-        &self.list
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.list.len() + self.inert.len()
     }
 
-    /// The parameter of a name, if the vehicle has it.
+    /// The parameter of an index.
+    pub fn at(&self, index: usize) -> Option<Listed> {
+        match self.list.get(index) {
+            Some(&parameter) => Some(Listed::Acting(parameter)),
+            None => (index < self.count()).then(|| Listed::Inert(index - self.list.len())),
+        }
+    }
+
+    /// The parameter of a name.
+    pub fn find(&self, name: &str) -> Option<Listed> {
+        let inert = || self.inert.position(|own| self.is_same_name(own, name)).map(Listed::Inert);
+        self.named(name).map(Listed::Acting).or_else(inert)
+    }
+
+    /// The parameter of a name among those that act.
     pub fn named(&self, name: &str) -> Option<Parameter> {
-        // ArduPilot does not look at the case.
-        let is_it = |own: &str| match self.personality {
+        self.list.iter().copied().find(|parameter| self.is_same_name(self.name(*parameter), name))
+    }
+
+    /// ArduPilot does not look at the case.
+    fn is_same_name(&self, own: &str, name: &str) -> bool {
+        match self.personality {
             Personality::Px4 => own == name,
             Personality::ArduPlane | Personality::Generic => own.eq_ignore_ascii_case(name),
-        };
-        self.list.iter().copied().find(|parameter| is_it(self.name(*parameter)))
+        }
+    }
+
+    /// Names of the parameters that change nothing.
+    pub fn inert_names(&self) -> impl Iterator<Item = &str> {
+        self.inert.iter().map(inert::InertParameter::name)
+    }
+
+    /// Name, type and value on the wire of a parameter; `value` is the present one of a parameter that acts.
+    pub fn on_wire(&self, listed: Listed, value: impl FnOnce(Parameter) -> f32) -> (&str, MavParamType, f32) {
+        match listed {
+            Listed::Acting(parameter) => {
+                (self.name(parameter), self.kind(parameter), self.to_wire(parameter, value(parameter)))
+            }
+            Listed::Inert(index) => {
+                self.inert.get(index).map_or(("", MavParamType::MAV_PARAM_TYPE_REAL32, 0.0), |own| {
+                    let is_bytewise = self.is_bytewise_kind(own.kind());
+                    let value =
+                        if is_bytewise { f32::from_bits(own.value() as i32 as u32) } else { own.value() as f32 };
+                    (own.name(), own.kind(), value)
+                })
+            }
+        }
+    }
+
+    /// Takes a value that a client writes to an inert parameter, with the type that it gives.
+    pub fn write_inert(&mut self, index: usize, value: f32, kind: u8) -> Result<(), ParameterRefused> {
+        let Some(own) = self.inert.get(index) else { return Ok(()) };
+        if self.personality == Personality::Px4 && kind != own.kind() as u8 {
+            return Err(ParameterRefused::Type(own.name().to_owned().into()));
+        }
+        let is_bytewise = self.is_bytewise_kind(own.kind());
+        let value = if is_bytewise { f64::from(value.to_bits() as i32) } else { f64::from(value) };
+        self.inert.set(index, value)
     }
 
     /// What the vehicle calls a parameter.
@@ -101,13 +169,17 @@ impl Parameters {
     /// The value that a writer means who gives a type with it, which ArduPilot does not look at.
     pub fn read_wire(&self, parameter: Parameter, value: f32, kind: u8) -> Result<f32, ParameterRefused> {
         if self.personality == Personality::Px4 && kind != self.kind(parameter) as u8 {
-            return Err(ParameterRefused::Type(self.name(parameter)));
+            return Err(ParameterRefused::Type(self.name(parameter).into()));
         }
         Ok(if self.is_bytewise(parameter) { value.to_bits() as i32 as f32 } else { value })
     }
 
     fn is_bytewise(&self, parameter: Parameter) -> bool {
-        self.personality == Personality::Px4 && self.kind(parameter) != MavParamType::MAV_PARAM_TYPE_REAL32
+        self.is_bytewise_kind(self.kind(parameter))
+    }
+
+    fn is_bytewise_kind(&self, kind: MavParamType) -> bool {
+        self.personality == Personality::Px4 && kind != MavParamType::MAV_PARAM_TYPE_REAL32
     }
 
     pub fn get(&self, parameter: Parameter) -> f32 {
@@ -118,10 +190,10 @@ impl Parameters {
     pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
         let name = self.name(parameter);
         if parameter.is_read_only() {
-            return Err(ParameterRefused::ReadOnly(name));
+            return Err(ParameterRefused::ReadOnly(name.into()));
         }
         if !value.is_finite() {
-            return Err(ParameterRefused::NotFinite(name));
+            return Err(ParameterRefused::NotFinite(name.into()));
         }
         // A generic autopilot tells whole numbers as floats, and they are whole all the same.
         let kind = if self.personality == Personality::Generic { parameter.kind() } else { self.kind(parameter) };
@@ -139,13 +211,15 @@ impl Parameters {
     /// Takes what has been set so far for defaults, which act and are not kept.
     pub fn make_defaults(&mut self) {
         self.is_default = self.is_set;
+        self.inert.make_defaults();
     }
 
     /// What has been set and is worth keeping, by name.
-    pub fn kept(&self) -> impl Iterator<Item = (&'static str, f32)> {
+    pub fn kept(&self) -> impl Iterator<Item = (&str, f64)> {
         let is_kept = |parameter: Parameter| self.is_set[parameter as usize] && !self.is_default[parameter as usize];
         let kept = Parameter::ALL.iter().copied().filter(move |parameter| is_kept(*parameter));
-        kept.map(|parameter| (self.name(parameter), self.get(parameter)))
+        let inert = self.inert.iter().filter(|own| own.is_set()).map(|own| (own.name(), own.value()));
+        kept.map(|parameter| (self.name(parameter), f64::from(self.get(parameter)))).chain(inert)
     }
 
     /// What the parameters make of the flight; what nobody has set stays as the settings have it, to the last bit.
@@ -245,7 +319,7 @@ mod tests {
         let id = parameters.named("MAV_SYS_ID").unwrap();
         assert_eq!(parameters.to_wire(id, 7.0).to_bits(), 7);
         assert_eq!(parameters.read_wire(id, f32::from_bits(7), 6), Ok(7.0));
-        assert_eq!(parameters.read_wire(id, 7.0, 9), Err(ParameterRefused::Type("MAV_SYS_ID")));
+        assert_eq!(parameters.read_wire(id, 7.0, 9), Err(ParameterRefused::Type("MAV_SYS_ID".into())));
         let radius = parameters.named("NAV_LOITER_RAD").unwrap();
         assert_eq!((parameters.to_wire(radius, -60.5), parameters.read_wire(radius, -60.5, 9)), (-60.5, Ok(-60.5)));
         for other in ["MAV_SYSID", "WP_LOITER_RAD", "FS_GCS_ENABL"] {

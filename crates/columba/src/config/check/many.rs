@@ -67,7 +67,7 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
 
 /// Parameters that the vehicles have, with values that they take.
 pub fn parameters(scenario: &Scenario, vehicles: &[VehicleSettings], faults: &mut Faults) {
-    if scenario.parameters.is_empty() {
+    if scenario.parameters.is_empty() && scenario.parameter_files.is_empty() {
         return;
     }
     if let Some(value) = scenario.parameters.get(OWN_SYSTEM_ID).filter(|_| vehicles.len() > 1) {
@@ -77,9 +77,13 @@ pub fn parameters(scenario: &Scenario, vehicles: &[VehicleSettings], faults: &mu
     // Some ranges depend on how a vehicle starts.
     let mut told = BTreeSet::new();
     for settings in vehicles {
-        for ParameterFault { name, value, wanted } in sim_vehicle::check_parameters(settings) {
-            if told.insert(name.clone()) {
-                faults.add(format!("parameters.{name}"), value, wanted);
+        for ParameterFault { name, value, wanted, place } in sim_vehicle::check_parameters(settings) {
+            if !told.insert(name.clone()) {
+                continue;
+            }
+            match place {
+                Some(place) => faults.add_elsewhere(place.to_string(), format!("{name} = {value}"), wanted),
+                None => faults.add(format!("parameters.{name}"), value, wanted),
             }
         }
     }

@@ -26,6 +26,8 @@ pub struct Fault {
     pub subject: Option<String>,
     /// What would be right, as `must be ...`.
     pub wanted: String,
+    /// The line of another file that is at fault.
+    pub place: Option<String>,
 }
 
 /// Greatest length in a scenario, m: what single precision on the wire resolves to a centimetre.
@@ -49,13 +51,21 @@ impl Faults {
     /// A setting with a wrong value.
     fn add(&mut self, key: impl Into<String>, value: impl Display, wanted: impl Display) {
         let wanted = format!("must be {wanted}");
-        self.list.push(Fault { key: key.into(), value: value.to_string(), subject: None, wanted });
+        self.list.push(Fault { key: key.into(), value: value.to_string(), subject: None, wanted, place: None });
     }
 
     /// A fault that is not of one setting alone.
     fn add_subject(&mut self, key: impl Into<String>, subject: impl Into<String>, wanted: impl Into<String>) {
         let subject = Some(subject.into());
-        self.list.push(Fault { key: key.into(), value: String::new(), subject, wanted: wanted.into() });
+        self.list.push(Fault { key: key.into(), value: String::new(), subject, wanted: wanted.into(), place: None });
+    }
+
+    /// A fault in a line of another file than the scenario's.
+    fn add_elsewhere(&mut self, place: String, subject: String, wanted: impl Display) {
+        let wanted = format!("must be {wanted}");
+        let fault =
+            Fault { key: String::new(), value: String::new(), subject: Some(subject), wanted, place: Some(place) };
+        self.list.push(fault);
     }
 
     /// `low..=high`; where these are settings at fault themselves, their own messages are enough.
@@ -354,7 +364,7 @@ pub fn starts(scenario: &Scenario, by_pattern: bool, faults: &mut Faults) {
             add(index, format!("must be within {LENGTH_MAX_M} m of the origin in x and y"));
         }
         for (number, obstacle) in scenario.obstacles.iter().enumerate() {
-            let clearance_m = obstacle.clearance_m(start.x_m, start.y_m);
+            let clearance_m = obstacle.clearance_m(start.position_m());
             if clearance_m <= 0.0 {
                 let inside_m = -clearance_m;
                 add(

@@ -59,7 +59,7 @@ proptest! {
         half_width_m in 5.0..400.0f64, speed_mps in 5.0..15.0f64, wind_mps in prop::sample::select(vec![0.0f32, 3.0]),
     ) {
         let mut vehicle = Vehicle::new(VehicleSettings {
-            parameters: vec![("SIM_WIND_SPD".into(), wind_mps)],
+            default_parameters: vec![("SIM_WIND_SPD".into(), wind_mps)],
             ..settings(false, speed_mps)
         }).unwrap();
         let places: Vec<Place> =

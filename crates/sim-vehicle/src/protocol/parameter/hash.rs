@@ -1,7 +1,7 @@
 //! PX4's checksum of all parameters, by which a ground station knows whether those that it has kept are still right
 //! (`param_hash_check` of PX4's parameters.cpp).
 
-use crate::parameters::{Parameter, Parameters};
+use crate::parameters::{Listed, Parameter, Parameters};
 
 /// The name under which it is asked for.
 pub(super) const NAME: &str = "_HASH_CHECK";
@@ -9,12 +9,15 @@ pub(super) const NAME: &str = "_HASH_CHECK";
 /// CRC-32 over name and value of each parameter in the order of their names, without the inversions at both ends. What
 /// changes by itself is left out.
 pub(super) fn of(parameters: &Parameters) -> u32 {
-    let mut kept: Vec<Parameter> = parameters.list().iter().copied().filter(|one| !one.is_read_only()).collect();
-    kept.sort_unstable_by_key(|parameter| parameters.name(*parameter));
+    let stays = |listed: &Listed| !matches!(listed, Listed::Acting(parameter) if parameter.is_read_only());
+    let listed = (0..parameters.count()).filter_map(|index| parameters.at(index)).filter(stays);
+    let mut kept: Vec<_> =
+        listed.map(|listed| parameters.on_wire(listed, |acting: Parameter| parameters.get(acting))).collect();
+    kept.sort_unstable_by_key(|(name, ..)| *name);
     let mut crc = crc32fast::Hasher::new_with_initial(!0);
-    for parameter in kept {
-        crc.update(parameters.name(parameter).as_bytes());
-        crc.update(&parameters.to_wire(parameter, parameters.get(parameter)).to_le_bytes());
+    for (name, _, value) in kept {
+        crc.update(name.as_bytes());
+        crc.update(&value.to_le_bytes());
     }
     !crc.finalize()
 }
@@ -35,7 +38,12 @@ mod tests {
     #[test]
     fn it_is_the_crc_of_px4() {
         let parameters = Parameters::new(&VehicleSettings { personality: Personality::Px4, ..Default::default() });
-        let mut names: Vec<_> = parameters.list().iter().filter(|one| !one.is_read_only()).copied().collect();
+        let acting = |listed| match listed {
+            Listed::Acting(parameter) => Some(parameter),
+            Listed::Inert(_) => None,
+        };
+        let listed = (0..parameters.count()).filter_map(|index| parameters.at(index)).filter_map(acting);
+        let mut names: Vec<_> = listed.filter(|one| !one.is_read_only()).collect();
         names.sort_by_key(|one| parameters.name(*one));
         let expected = names.into_iter().fold(0, |crc, one| {
             let value = parameters.to_wire(one, parameters.get(one)).to_bits().to_le_bytes();

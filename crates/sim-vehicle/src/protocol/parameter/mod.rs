@@ -7,7 +7,7 @@ pub(crate) use pace::Pace;
 
 use crate::firmware::Personality;
 use crate::links::PeerId;
-use crate::parameters::{Effect, Parameter, ParameterRefused};
+use crate::parameters::{Effect, Listed, Parameter, ParameterRefused};
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{MavParamError, MavParamType, MavSeverity, Message};
@@ -50,8 +50,8 @@ impl Vehicle {
             ParameterRequest::ReadIndex(index) => {
                 // Only who completes a list asks by index.
                 self.links.slow_down(link);
-                match usize::try_from(*index).ok().and_then(|i| self.parameters.list().get(i)) {
-                    Some(&parameter) => self.send_parameter(link, parameter, u16::try_from(*index).ok()),
+                match usize::try_from(*index).ok().and_then(|i| self.parameters.at(i)) {
+                    Some(listed) => self.send_parameter(link, listed, u16::try_from(*index).ok()),
                     None => {
                         let reason = format!("No parameter of index {index}");
                         self.refuse_parameter(
@@ -66,19 +66,16 @@ impl Vehicle {
                 }
             }
             ParameterRequest::ReadName(name) if name == hash::NAME && self.settings.personality == Personality::Px4 => {
-                let (hash, count) = (f32::from_bits(hash::of(&self.parameters)), self.parameters.list().len() as u16);
+                let (hash, count) = (f32::from_bits(hash::of(&self.parameters)), self.parameters.count() as u16);
                 let value = parameter_value(hash::NAME, MavParamType::MAV_PARAM_TYPE_UINT32, hash, count, None);
                 self.links.send(link, &value);
             }
-            ParameterRequest::ReadName(name) => match self.parameters.named(name) {
-                Some(parameter) => self.send_parameter(link, parameter, None),
+            ParameterRequest::ReadName(name) => match self.parameters.find(name) {
+                Some(listed) => self.send_parameter(link, listed, None),
                 None => self.refuse_unknown(link, sender, name),
             },
-            ParameterRequest::Set { name, value, kind } => match self.parameters.named(name) {
-                Some(parameter) => {
-                    let value = self.parameters.read_wire(parameter, *value, *kind);
-                    self.write_parameter(link, sender, parameter, value);
-                }
+            ParameterRequest::Set { name, value, kind } => match self.parameters.find(name) {
+                Some(listed) => self.write_parameter(link, sender, listed, *value, *kind),
                 None => self.refuse_unknown(link, sender, name),
             },
         }
@@ -90,14 +87,16 @@ impl Vehicle {
         listings.0.retain_mut(|listing| {
             let Some(link) = self.links.of_peer(listing.peer) else { return false };
             self.links.slow_down(link);
-            while listing.due <= self.host_now && listing.next < self.parameters.list().len() {
-                for index in (listing.next..self.parameters.list().len()).take(PARAMETERS_AT_ONCE) {
-                    self.send_parameter(link, self.parameters.list()[index], u16::try_from(index).ok());
+            while listing.due <= self.host_now && listing.next < self.parameters.count() {
+                for index in listing.next..listing.next + PARAMETERS_AT_ONCE {
+                    if let Some(listed) = self.parameters.at(index) {
+                        self.send_parameter(link, listed, u16::try_from(index).ok());
+                    }
                 }
                 listing.next += PARAMETERS_AT_ONCE;
                 listing.due = self.pace.reserve(listing.peer, self.host_now);
             }
-            listing.next < self.parameters.list().len()
+            listing.next < self.parameters.count()
         });
         self.listings = listings;
     }
@@ -125,21 +124,25 @@ impl Vehicle {
         Ok(())
     }
 
-    fn write_parameter(
-        &mut self,
-        link: usize,
-        sender: Target,
-        parameter: Parameter,
-        value: Result<f32, ParameterRefused>,
-    ) {
+    fn write_parameter(&mut self, link: usize, sender: Target, listed: Listed, value: f32, kind: u8) {
         // Everybody hears of a change, from the system that they know.
         let before = self.settings.system_id;
-        let value = value.and_then(|value| self.check_system_id(parameter, value));
-        match value.and_then(|value| self.set_parameter(parameter, value)) {
+        let taken = match listed {
+            Listed::Acting(parameter) => {
+                let value = self.parameters.read_wire(parameter, value, kind);
+                let value = value.and_then(|value| self.check_system_id(parameter, value));
+                value.and_then(|value| self.set_parameter(parameter, value))
+            }
+            Listed::Inert(index) => {
+                self.parameters_changed = true;
+                self.parameters.write_inert(index, value, kind)
+            }
+        };
+        match taken {
             Ok(()) => {
                 let after = self.settings.system_id;
                 self.links.set_system_id(before);
-                self.tell_parameter(parameter);
+                self.links.send_all(&self.parameter_message(listed, None));
                 self.links.set_system_id(after);
             }
             Err(refused) => {
@@ -148,8 +151,9 @@ impl Vehicle {
                     ParameterRefused::Type(_) => MavParamError::MAV_PARAM_ERROR_TYPE_MISMATCH,
                     _ => MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
                 };
-                self.refuse_parameter(link, sender, self.parameters.name(parameter), -1, error, &refused.to_string());
-                self.send_parameter(link, parameter, None);
+                let name = self.parameters.on_wire(listed, |_| 0.0).0.to_owned();
+                self.refuse_parameter(link, sender, &name, -1, error, &refused.to_string());
+                self.send_parameter(link, listed, None);
             }
         }
     }
@@ -170,8 +174,8 @@ impl Vehicle {
         self.links.set_default_rates(&self.settings.rates, streams, self.time);
     }
 
-    fn send_parameter(&mut self, link: usize, parameter: Parameter, index: Option<u16>) {
-        let message = self.parameter_message(parameter, index);
+    fn send_parameter(&mut self, link: usize, listed: Listed, index: Option<u16>) {
+        let message = self.parameter_message(listed, index);
         self.links.send(link, &message);
     }
 
@@ -188,13 +192,12 @@ impl Vehicle {
 
     /// Tells everybody what it is.
     pub(crate) fn tell_parameter(&mut self, parameter: Parameter) {
-        self.links.send_all(&self.parameter_message(parameter, None));
+        self.links.send_all(&self.parameter_message(Listed::Acting(parameter), None));
     }
 
-    fn parameter_message(&self, parameter: Parameter, index: Option<u16>) -> Message {
-        let value = self.parameters.to_wire(parameter, self.parameter_value(parameter));
-        let (name, kind) = (self.parameters.name(parameter), self.parameters.kind(parameter));
-        parameter_value(name, kind, value, self.parameters.list().len() as u16, index)
+    fn parameter_message(&self, listed: Listed, index: Option<u16>) -> Message {
+        let (name, kind, value) = self.parameters.on_wire(listed, |acting| self.parameter_value(acting));
+        parameter_value(name, kind, value, self.parameters.count() as u16, index)
     }
 
     fn refuse_unknown(&mut self, link: usize, sender: Target, name: &str) {

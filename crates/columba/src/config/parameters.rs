@@ -1,0 +1,76 @@
+//! `[parameters]`: parameter files, and values by name.
+
+use super::ConfigError;
+use serde::de::{MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use sim_vehicle::ParameterFile;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The key of [`ParametersTable::files`]. Parameters have names in capitals.
+const FILES: &str = "files";
+
+/// The vehicles' parameters at the start.
+#[derive(Clone, Debug, Default)]
+pub struct ParametersTable {
+    /// Parameter files, relative to the scenario's; the last value of a name counts.
+    pub files: Vec<PathBuf>,
+    /// Values by name, which go before those of the files.
+    pub values: BTreeMap<String, f64>,
+    /// What is in the files, once they have been read.
+    pub read: ParameterFile,
+}
+
+impl ParametersTable {
+    /// Reads the files: those of the table, beside the scenario's file, and then those of `--defaults`.
+    pub(super) fn read(&mut self, folder: &Path, flags: &[PathBuf]) -> Result<(), ConfigError> {
+        let own = self.files.iter().map(|file| folder.join(file));
+        let paths: Vec<PathBuf> = own.chain(flags.iter().cloned()).collect();
+        self.read = ParameterFile::read(&paths).map_err(|error| ConfigError::new(vec![error.to_string()]))?;
+        Ok(())
+    }
+}
+
+impl<'de> Deserialize<'de> for ParametersTable {
+    /// By hand: a flattened map would lose the line of a value that is no number.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Table;
+
+        impl<'de> Visitor<'de> for Table {
+            type Value = ParametersTable;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table of parameters")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ParametersTable, A::Error> {
+                let mut table = ParametersTable::default();
+                while let Some(key) = map.next_key::<String>()? {
+                    if key == FILES {
+                        table.files = map.next_value()?;
+                    } else {
+                        table.values.insert(key, map.next_value()?);
+                    }
+                }
+                Ok(table)
+            }
+        }
+
+        deserializer.deserialize_map(Table)
+    }
+}
+
+impl Serialize for ParametersTable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        if !self.files.is_empty() {
+            map.serialize_entry(FILES, &self.files)?;
+        }
+        for (name, value) in &self.values {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
