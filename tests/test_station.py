@@ -238,7 +238,7 @@ def test_a_killed_controller_leaves_its_record_and_another_picks_the_flight_up(s
     assert run.summary["failure"].startswith("recovered") and len(run.trajectory) >= 10
     assert (controller.folder / "report.html").exists()
     assert sum(1 for _ in tlog.messages(run.tlog)) > 20
-    again = start_fly(*options, folder=controller.folder).end()
+    again = start_fly(*options, "--force", folder=controller.folder).end()
     assert again.status == 0, again.errors
     assert not told(again, "is in the air"), "it flew already"
     assert (controller.folder / "flight.journal.1").exists()

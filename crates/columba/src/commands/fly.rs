@@ -95,7 +95,7 @@ fn from_the_ground(
         true => ground_port_refused(&scenario, error),
         false => anyhow!("--link {error}"),
     })?;
-    let folder = open_folder(&scenario)?;
+    let folder = open_folder(&scenario, &args.flight)?;
     let patience = Duration::from_secs_f64(args.station.patience);
     let settings = station::Settings {
         at_end: args.station.at_end,

@@ -381,7 +381,7 @@ mod tests {
                     least_m = least_m.min(slant_m(a, b));
                 }
                 for circle in obstacles {
-                    clearance_m = clearance_m.min(circle.clearance_m(a.x_m, a.y_m));
+                    clearance_m = clearance_m.min(circle.clearance_m(a.position_m()));
                 }
             }
         }

@@ -130,8 +130,8 @@ impl TrackJudge {
 
     /// The verdict on all that was judged.
     pub fn verdict(&self) -> Verdict {
-        let (ahead_x, ahead_y) = self.expected.direction();
-        let along = |x_m: f64, y_m: f64| x_m * ahead_x + y_m * ahead_y;
+        let ahead = self.expected.direction();
+        let along = |x_m: f64, y_m: f64| x_m * ahead.x + y_m * ahead.y;
         let edges = self.obstacles.iter().map(|circle| along(circle.x_m, circle.y_m) + circle.radius_m);
         let last_edge_m = edges.fold(f64::NEG_INFINITY, f64::max);
         let end_s = STEP_S * self.steps as f64;
@@ -211,7 +211,7 @@ impl TrackJudge {
 
     fn judge_obstacles(&mut self, index: usize, state: &State, ground: Ground, at_s: f64) {
         for circle in 0..self.obstacles.len() {
-            let value_m = self.obstacles[circle].clearance_m(state.x_m, state.y_m);
+            let value_m = self.obstacles[circle].clearance_m(state.position_m());
             self.recent_m[1] = self.recent_m[1].min(value_m);
             if self.verdict.clearance.is_none_or(|least| value_m < least.value_m) {
                 self.verdict.clearance = Some(Least { value_m, at_s, whose: index });

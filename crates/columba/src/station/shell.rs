@@ -182,7 +182,7 @@ impl Shell {
             }
             recording.frame(at_us, frame.bytes);
             let before = lost.lost;
-            sequence.observe(&frame.header, &mut lost);
+            sequence.observe(&frame, &mut lost);
             station.count(frame.header.system_id, lost.lost - before);
             if matches!(found, mavlink_bridge::link::Found::Verified(_)) {
                 station.hear(&frame, route, now);
