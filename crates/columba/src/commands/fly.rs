@@ -5,7 +5,7 @@
 
 use super::{Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal};
 use crate::args::{Cli, FlyArgs};
-use crate::config::{self, GROUND_PORT, Overrides, Scenario, SetpointDialect};
+use crate::config::{self, GROUND_PORT, Scenario, SetpointDialect};
 use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Progress, RealTime};
 use crate::station::frames::Origin;
 use crate::station::vehicle::Route;
@@ -20,8 +20,7 @@ use std::time::{Duration, Instant};
 
 /// Flies the scenario with vehicles that run elsewhere and writes its folder.
 pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
-    let overrides = Overrides { vehicle_port: args.vehicle_port, ..args.flight.overrides() };
-    let scenario = config::load(args.config.as_deref(), &overrides)?;
+    let scenario = config::load(args.config.as_deref(), &cli.layers)?;
     let addresses = addresses(&scenario);
     if addresses.is_none() && scenario.starts.len() > NETWORK_VEHICLES_MAX {
         return Err(anyhow!(
@@ -50,7 +49,7 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
         let mut ground =
             GroundStation::bind(&scenario, address).map_err(|error| ground_port_refused(&scenario, error))?;
-        let folder = open_folder(&scenario, &args.flight)?;
+        let folder = open_folder(&scenario, &args.folder)?;
         ground.expect(scenario.starts.len(), addresses.as_deref());
         let ground_truth = GroundTruth::telemetry();
         let (flight, log) = if args.lockstep {
@@ -61,7 +60,7 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
         Ok((folder, flight, log))
     })?;
     drop(progress);
-    conclude(cli, &scenario, &folder, &flight, log, !args.flight.no_report)
+    conclude(cli, &scenario, &folder, &flight, log, !args.folder.no_report)
 }
 
 /// With the ground station.
@@ -95,7 +94,7 @@ fn from_the_ground(
         true => ground_port_refused(&scenario, error),
         false => anyhow!("--link {error}"),
     })?;
-    let folder = open_folder(&scenario, &args.flight)?;
+    let folder = open_folder(&scenario, &args.folder)?;
     let patience = Duration::from_secs_f64(args.station.patience);
     let settings = station::Settings {
         at_end: args.station.at_end,
@@ -122,7 +121,7 @@ fn conclude_station(
     flight: &crate::flight::Flight,
     args: &FlyArgs,
 ) -> Result<(), Failure> {
-    super::conclude_recorded(cli, scenario, folder, flight, !args.flight.no_report)
+    super::conclude_recorded(cli, scenario, folder, flight, !args.folder.no_report)
 }
 
 /// The links of the command line, or the scenario's own port.

@@ -34,7 +34,10 @@ impl Preflight {
             return Phase::Preflight(self);
         }
         self.looked = Some(now);
-        if !self.has_frame && station.vehicles[station.crew()].iter().all(|vehicle| vehicle.global.is_some()) {
+        // On the ground a place is known for good once the autopilot has set its home there.
+        let is_placed =
+            |vehicle: &Vehicle| vehicle.global.is_some() && (vehicle.home.is_some() || !vehicle.on_ground());
+        if !self.has_frame && station.vehicles[station.crew()].iter().all(is_placed) {
             match self.take_frame(station, now) {
                 Ok(()) => self.has_frame = true,
                 Err(fault) => return refuse(station, now, vec![fault]),

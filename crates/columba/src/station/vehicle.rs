@@ -282,8 +282,9 @@ impl Vehicle {
     }
 
     fn hear_global(&mut self, data: &GLOBAL_POSITION_INT_DATA, now: Duration, frame: &LocalFrame) -> bool {
-        if data.lat == 0 && data.lon == 0 {
-            return false; // no fix yet
+        // Before its estimator has a fix, ArduPilot tells places within metres of 0, 0.
+        if data.lat.abs() < 10_000 && data.lon.abs() < 10_000 {
+            return false;
         }
         let reboots = self.clock.reboots();
         self.clock.hear(data.time_boot_ms, now);
