@@ -12,7 +12,7 @@ use flight_model::{Limits, Setpoint, State, wrap_pi};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Metres between the heights of two vehicles.
-pub const LAYER_M: f64 = 10.0;
+pub const LAYER_M: f64 = 12.0;
 /// So many heights at most; further vehicles share them, far apart from each other.
 const LAYERS_MAX: usize = 12;
 /// Lateral acceleration of the turn back, m/s2: less than any vehicle can do.
@@ -443,6 +443,6 @@ mod tests {
         let gather = Gather::new(&starts(5), EXPECTED, &[], &dynamics().limits);
         let mut heights: Vec<f64> = (0..5).map(|vehicle| gather.layer_m(vehicle)).collect();
         heights.sort_by(f64::total_cmp);
-        assert_eq!(heights, [50.0, 60.0, 70.0, 80.0, 90.0]);
+        assert_eq!(heights, [50.0, 62.0, 74.0, 86.0, 98.0]);
     }
 }
