@@ -56,7 +56,7 @@ impl Client {
         let mut datagram = Vec::new();
         self.encoder.encode(message, &mut datagram);
         self.vehicle.handle(self.vehicle.time(), &datagram, self.address);
-        self.collect()
+        self.receive()
     }
 
     /// Sends a COMMAND_LONG with its first params, the others 0, and gives the result of its acknowledgement; none if
@@ -122,7 +122,7 @@ impl Client {
         let until = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         self.vehicle.advance(self.vehicle.time() + until, &mut track);
         self.vehicle.handle_timeout(self.vehicle.time());
-        self.collect();
+        self.receive();
         track
     }
 
@@ -151,7 +151,7 @@ impl Client {
     }
 
     /// Takes what the vehicle has sent, and gives what is new.
-    fn collect(&mut self) -> &[Message] {
+    fn receive(&mut self) -> &[Message] {
         let before = self.received.len();
         while let Some(transmit) = self.vehicle.poll_transmit() {
             if transmit.to == self.address {
