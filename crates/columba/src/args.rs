@@ -3,8 +3,11 @@
 use crate::compare::Seeds;
 use crate::config::{Layer, flags};
 use crate::help;
+use crate::station::frames::Origin;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use mavlink_bridge::kind::AtEnd;
+use mavlink_bridge::link::Connection;
 use optimizer::Algorithm;
 use optimizer::suites::Suite;
 use std::ffi::OsString;
@@ -66,6 +69,8 @@ pub enum Command {
     /// same folder as run.
     #[command(after_long_help = help::FLY)]
     Fly(FlyArgs),
+    /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while it flew.
+    Recover(RecoverArgs),
     /// Compares optimisers and settings over many flights: tables with intervals and tests, and figures of each.
     ///
     /// Every contender flies every scenario with every seed, in memory and in parallel. Without a file, the paper's flight.
@@ -138,6 +143,48 @@ pub struct FlyArgs {
     /// Vehicle seconds for each second of the wall clock, as the vehicles were told.
     #[arg(long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub speed: f64,
+    /// The ground station.
+    #[command(flatten)]
+    pub station: StationArgs,
+}
+
+/// What `fly` tells its ground station.
+#[derive(Debug, Args)]
+pub struct StationArgs {
+    /// A link to autopilots, as udpin:127.0.0.1:14550, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, serial:/dev/ttyUSB0:57600 or
+    /// /dev/ttyUSB0,57600; with or without //. May be given several times.
+    #[arg(long, value_name = "LINK")]
+    pub link: Vec<Connection>,
+    /// System ids of the vehicles, in the order of the scenario; by default those that are heard, in their own order.
+    #[arg(long, value_name = "IDS", value_delimiter = ',')]
+    pub systems: Option<Vec<u8>>,
+    /// What vehicles do when the flight is over, fails or is interrupted: loiter, return, land or continue.
+    #[arg(long, value_name = "WHAT", default_value = "loiter", value_parser = at_end())]
+    pub at_end: AtEnd,
+    /// Does all but command: says who is there, what is missing, and what does not fit.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Where the scenario's frame is: home (of the first vehicle), or LATITUDE,LONGITUDE,ALTITUDE in degrees and m above mean sea
+    /// level; by default as the scenario has it.
+    #[arg(long, value_name = "PLACE", allow_hyphen_values = true)]
+    pub origin: Option<Origin>,
+    /// How long vehicles may take to be ready, and then to take off, in seconds.
+    #[arg(long, value_name = "S", default_value = "120", value_parser = patience)]
+    pub patience: f64,
+    /// File with the key of MAVLink 2 signatures, 64 hexadecimal digits or 32 bytes, which its owner alone may read: what goes out
+    /// is signed, and what is not signed with it is rejected.
+    #[arg(long, value_name = "FILE")]
+    pub signing_key: Option<PathBuf>,
+}
+
+/// `columba recover`.
+#[derive(Debug, Args)]
+pub struct RecoverArgs {
+    /// The folder of the flight.
+    pub folder: PathBuf,
+    /// Writes no report and no figures, only the record.
+    #[arg(long)]
+    pub no_report: bool,
 }
 
 /// `columba compare`.
@@ -244,6 +291,17 @@ pub fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
     keys.try_map(|key| {
         Algorithm::ALL.iter().copied().find(|algorithm| algorithm.key() == key).ok_or("no such optimiser")
     })
+}
+
+fn at_end() -> impl TypedValueParser<Value = AtEnd> {
+    let names = PossibleValuesParser::new(AtEnd::ALL.map(|(name, _)| name));
+    names.try_map(|name| {
+        AtEnd::ALL.into_iter().find(|(known, _)| *known == name).map(|(_, end)| end).ok_or("no such end")
+    })
+}
+
+fn patience(text: &str) -> Result<f64, String> {
+    number(text, 1.0, 3600.0)
 }
 
 fn speed(text: &str) -> Result<f64, String> {

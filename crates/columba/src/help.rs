@@ -54,6 +54,12 @@ Examples:
       in real time; the vehicles send their telemetry to UDP 14550
   columba vehicles --lockstep & columba fly --lockstep
       in simulated time, as fast as possible
+  columba fly field.toml --link udpin:127.0.0.1:14550
+      real autopilots, from the ground to the ground; docs/real-autopilots.md
+  columba fly field.toml --link tcp:127.0.0.1:5760 --link tcp:127.0.0.1:5770 --dry-run
+      which autopilots are there, and what is missing; no command is sent
+
+On the terminal, during the flight: pause, resume, abort, drop N, take N, status. Ctrl-C ends the flight as --at-end says.
 
 Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are wrong.";
 
