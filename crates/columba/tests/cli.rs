@@ -143,21 +143,23 @@ fn debug_tells_the_pre_flight_each_tick_and_the_link() {
     for word in ["ground station bound", "waiting for every vehicle's position", "prepared", "tick=3", "closed"] {
         assert!(run.contains(word), "{word}: {run}");
     }
-    let port = common::free_ports(1).to_string();
-    let mut waiting = room
-        .command(&["fly", "small.toml", "--ground-port", &port, "--no-report", "-o", "none"])
-        .env("RUST_LOG", "debug")
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut told = String::new();
-    let mut err = std::io::BufReader::new(waiting.stderr.take().unwrap());
-    while !told.contains("heard=0 vehicles=1") {
-        assert!(std::io::BufRead::read_line(&mut err, &mut told).unwrap() > 0, "{told}");
+    for clock in [&[][..], &["--lockstep"]] {
+        let port = common::free_ports(1).to_string();
+        let fly = ["fly", "small.toml", "--ground-port", &port, "--no-report", "-q", "-o", "none"];
+        let mut waiting = room
+            .command(&[&fly[..], clock].concat())
+            .env("RUST_LOG", "debug")
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut told = String::new();
+        let mut err = std::io::BufReader::new(waiting.stderr.take().unwrap());
+        while !(told.contains("DEBUG") && told.contains(&format!("127.0.0.1:{port}"))) {
+            assert!(std::io::BufRead::read_line(&mut err, &mut told).unwrap() > 0, "{told}");
+        }
+        waiting.kill().unwrap();
+        waiting.wait().unwrap();
     }
-    waiting.kill().unwrap();
-    waiting.wait().unwrap();
-    assert!(told.contains(&format!("127.0.0.1:{port}")), "{told}");
 }
 
 #[test]
@@ -165,11 +167,10 @@ fn fly_waits_no_longer_than_it_is_told_and_names_the_address() {
     let room = Room::new();
     room.write("small.toml", SMALL);
     let port = common::free_ports(1).to_string();
-    let said = room
-        .columba(&["fly", "small.toml", "--ground-port", &port, "--patience", "0.3", "--no-report", "-q", "-o", "out"])
-        .with(1);
+    let fly = ["fly", "small.toml", "--lockstep", "--ground-port", &port, "--no-report", "-q", "-o", "out"];
+    let said = room.columba(&[&fly[..], &["--set", "ground.patience_s=0.3"]].concat()).with(1);
     assert_eq!(said.err, format!("columba: no telemetry on 127.0.0.1:{port} for 0.3 s from vehicle 1\n"));
-    room.columba(&["fly", "--patience", "0"]).refused(&["columba: --patience 0: must be a number from 0.1 to 86400"]);
+    room.columba(&["run", "--patience", "0"]).refused(&["columba: --patience 0: must be a number from 0.1 to 86400"]);
 }
 
 #[test]

@@ -247,7 +247,7 @@ const FLAGS: &[Flag] = &[
         key: "ground.patience_s",
         value: "S",
         help: "Seconds to wait before the flight for vehicles without telemetry. Default: 15, in lockstep 20",
-        commands: &[RUN, FLY],
+        commands: &[RUN],
         ..FLAG
     },
     Flag {
