@@ -1,8 +1,8 @@
 //! Box plots: how each contender's flights are spread, by one measure.
 
 use super::report::{Drawing, file_part};
-use super::results::{MEASURES, Measure, Outcome, Standing};
-use super::words;
+use super::results::{ContenderSummary, MEASURES, Measure, Outcome};
+use super::tables;
 use crate::report::chart::{
     ALARM, Anchor, Axis, BELOW_PX, Frame, INK, Legend, Mark, RIGHT_PX, WIDTH_PX, diamond, dot, series, text_width_px,
 };
@@ -33,7 +33,7 @@ pub fn all(outcome: &Outcome<'_>) -> Vec<Drawing> {
 fn draw(outcome: &Outcome<'_>, index: usize) -> String {
     let measure = &MEASURES[index];
     let rows: Vec<Row<'_>> =
-        outcome.standings.iter().map(|standing| Row::of(outcome.scenario, standing, index)).collect();
+        outcome.summaries.iter().map(|summary| Row::of(outcome.scenario, summary, index)).collect();
     let legend = legend(&rows);
     let frame = frame(&rows, legend.height());
     let mut drawing =
@@ -66,13 +66,13 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    fn of(scenario: &str, standing: &'a Standing<'_>, index: usize) -> Self {
-        let values = standing.samples[index].as_slice();
+    fn of(scenario: &str, summary: &'a ContenderSummary<'_>, index: usize) -> Self {
+        let values = summary.samples[index].as_slice();
         let never = values.iter().filter(|value| **value == f64::INFINITY).count();
-        let paper = words::in_the_paper(scenario, standing.algorithm);
+        let paper = tables::in_the_paper(scenario, summary.algorithm);
         let of_measure = |(speed_s, course_s)| [Some(speed_s), Some(course_s)].get(index).copied().flatten();
         Self {
-            name: shortened(standing.contender),
+            name: shortened(summary.contender),
             values,
             never: never as f64 / values.len().max(1) as f64,
             paper: paper.and_then(of_measure),
