@@ -1,13 +1,12 @@
 //! `[parameters]`: parameter files, and values by name.
 
-use super::ConfigError;
 use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sim_vehicle::ParameterFile;
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The key of [`ParametersTable::files`]. Parameters have names in capitals.
 const FILES: &str = "files";
@@ -24,11 +23,12 @@ pub struct ParametersTable {
 }
 
 impl ParametersTable {
-    /// Reads the files: those of the table, beside the scenario's file, and then those of `--defaults`.
-    pub(super) fn read(&mut self, folder: &Path, flags: &[PathBuf]) -> Result<(), ConfigError> {
-        let own = self.files.iter().map(|file| folder.join(file));
-        let paths: Vec<PathBuf> = own.chain(flags.iter().cloned()).collect();
-        self.read = ParameterFile::read(&paths).map_err(|error| ConfigError::new(vec![error.to_string()]))?;
+    /// Reads files, of which the last value of a name counts.
+    ///
+    /// # Errors
+    /// What is wrong with which file, as one line.
+    pub(super) fn read(&mut self, paths: &[PathBuf]) -> Result<(), String> {
+        self.read = ParameterFile::read(paths).map_err(|error| error.to_string())?;
         Ok(())
     }
 }

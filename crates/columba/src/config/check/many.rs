@@ -1,7 +1,8 @@
 //! What many vehicles need: places enough in their file, ports enough for them, parameters that each of them takes.
 
-use super::{COUNT_MAX, Faults};
+use super::COUNT_MAX;
 use crate::config::Scenario;
+use crate::config::fault::Faults;
 use crate::config::file::{Pattern, PatternTable, ScenarioFile};
 use sim_vehicle::{NETWORK_VEHICLES_MAX, ParameterFault, VehicleSettings, port_index};
 use std::collections::BTreeSet;
@@ -82,7 +83,7 @@ pub fn parameters(scenario: &Scenario, vehicles: &[VehicleSettings], faults: &mu
                 continue;
             }
             match place {
-                Some(place) => faults.add_elsewhere(place.to_string(), format!("{name} = {value}"), wanted),
+                Some(place) => faults.add_placed([(0, format!("{place}: {name} = {value}: must be {wanted}"))]),
                 None => faults.add(format!("parameters.{name}"), value, wanted),
             }
         }
