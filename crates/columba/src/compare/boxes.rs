@@ -41,7 +41,7 @@ fn draw(outcome: &Outcome<'_>, index: usize) -> String {
     legend.draw(&mut drawing, 0.0);
     frame.draw_x(&mut drawing, &format!("{} ({})", measure.name, measure.unit));
     let right = frame.left + frame.width;
-    if rows.iter().any(|row| row.never > 0.0) {
+    if beyond(&rows) {
         drawing.text(right + SHARE_PX, frame.top - 6.0, Anchor::Middle, "never");
     }
     for (number, row) in rows.iter().enumerate() {
@@ -119,10 +119,15 @@ fn legend(rows: &[Row<'_>]) -> Legend {
     Legend::new(entries)
 }
 
+/// Whether something lies beyond the chart: flights that never came there, or the paper's.
+fn beyond(rows: &[Row<'_>]) -> bool {
+    rows.iter().any(|row| row.never > 0.0 || row.paper == Some(f64::INFINITY))
+}
+
 /// Rows from top to bottom beside their names.
 fn frame(rows: &[Row<'_>], legend_px: f64) -> Frame {
     let names_px = rows.iter().map(|row| text_width_px(&row.name)).fold(40.0, f64::max).min(NAMES_MAX_PX);
-    let beyond = rows.iter().any(|row| row.never > 0.0 || row.paper == Some(f64::INFINITY));
+    let beyond = beyond(rows);
     let values = || rows.iter().flat_map(Row::finite);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     let left = names_px + 14.0;
