@@ -1,18 +1,28 @@
-//! What goes into a flock and what comes out of it.
+//! The settings of a flock and its decisions: what goes into a tick and what comes out.
 
 use crate::{ControllerSettings, Expected, Obstacle};
-use flight_model::{Dynamics, Setpoint};
+use flight_model::{Dynamics, RangeError, Ranges, Setpoint};
 use optimizer::OptimizerSettings;
 use std::time::Duration;
 
 /// What a flock needs to know before its first tick.
+///
+/// ```
+/// use controller::{ControllerSettings, Expected, FlockSettings};
+///
+/// // The letter of the paper instead of the default readings, with another seed.
+/// let expected = Expected { speed_mps: 10.0, course_rad: 0.5, altitude_m: 50.0 };
+/// let settings =
+///     FlockSettings { controller: ControllerSettings::literal(), seed: 7, ..FlockSettings::new(expected) };
+/// assert_eq!(settings.control_period_s, 0.5);
+/// ```
 #[derive(Clone, Debug)]
 pub struct FlockSettings {
     /// The flocking law, its weights and look-ahead.
     pub controller: ControllerSettings,
-    /// The optimiser that picks the weights.
+    /// The optimiser that chooses the weights.
     pub optimizer: OptimizerSettings,
-    /// Key of every random number, with the vehicle's index and the tick.
+    /// With the vehicle's index and the tick, the key of every random number.
     pub seed: u64,
     /// T, s.
     pub control_period_s: f64,
@@ -39,7 +49,33 @@ impl FlockSettings {
     }
 }
 
-/// What one vehicle is told at one tick, and how that came about.
+impl FlockSettings {
+    /// Every setting that is out of its range, except those of the optimiser.
+    pub fn check(&self) -> Vec<RangeError> {
+        let limits = self.dynamics.limits;
+        let mut ranges = Ranges::default();
+        ranges.within("control_period_s", self.control_period_s, 0.001, 10.0);
+        ranges.within("expected.speed_mps", self.expected.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
+        ranges.extend(self.controller.law.check());
+        ranges.extend(self.controller.weights.check());
+        ranges.extend(self.controller.look_ahead.check());
+        ranges.extend(self.dynamics.check());
+        ranges.errors()
+    }
+}
+
+/// Why a flock cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FlockError {
+    /// A setting of the flock is out of its range.
+    #[error("{0}")]
+    Setting(RangeError),
+    /// A setting of the optimiser is out of its range.
+    #[error(transparent)]
+    Optimizer(#[from] optimizer::SettingsError),
+}
+
+/// The setpoint of one vehicle at one tick, and how it was chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Decision {
     /// The inputs of the three autopilots (Eq. 2).

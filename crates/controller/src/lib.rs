@@ -1,7 +1,10 @@
 //! The flocking law of Ruan and Duan (Eq. 4-12), its look-ahead, and the tick of a flock (Algorithm 2).
 //!
-//! Sans-I/O: [`Flock::tick`] takes the states of the vehicles and gives a setpoint for each. It knows no MAVLink, no
+//! Sans-I/O: [`Flock::tick`] takes the states of the vehicles and returns a setpoint for each. It knows no MAVLink, no
 //! socket and no clock, and the same states, seed and tick give the same bits on any number of threads.
+//!
+//! [`Flock::tick`] has a short example. The example `1_own_loop` flies the paper's flock in a loop of one's own:
+//! `cargo run --release -p controller --example 1_own_loop`.
 //!
 //! | equation | file |
 //! |---|---|
@@ -33,7 +36,7 @@ mod rollout;
 mod settings;
 pub mod terms;
 
-pub use decision::{Decision, FlockSettings};
+pub use decision::{Decision, FlockError, FlockSettings};
 pub use field::{Expected, Obstacle};
 pub use flock::Flock;
 pub use settings::{

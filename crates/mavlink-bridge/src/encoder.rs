@@ -1,19 +1,33 @@
 //! From messages to frames.
 
-use crate::dialect::{COMMAND_ACK_DATA, DialectMessage, MISSION_ACK_DATA, MavMissionResult, MavResult, Message};
+use crate::Version;
+use crate::dialect::{DialectMessage, Message};
 use crate::frame::{CHECKSUM, V1_HEADER, V1_START, V2_HEADER, V2_START, checksum, checksum_extra};
-use crate::{Target, Version};
-use mavlink::{MavlinkVersion, MessageData};
+use mavlink::MavlinkVersion;
 
 /// Writes the frames of one sender, and counts their sequence number.
+///
+/// ```
+/// use mavlink_bridge::telemetry::ground_heartbeat;
+/// use mavlink_bridge::{Counters, Encoder, Version, frames};
+///
+/// // A ground station that speaks MAVLink 1. Several frames fit into one datagram.
+/// let mut encoder = Encoder::new(255, 190).with_version(Version::V1);
+/// let mut datagram = Vec::new();
+/// encoder.encode(&ground_heartbeat(), &mut datagram);
+/// encoder.encode(&ground_heartbeat(), &mut datagram);
+///
+/// let sequence: Vec<u8> = frames(&datagram, &mut Counters::default()).map(|frame| frame.header.sequence).collect();
+/// assert_eq!(sequence, [0, 1]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Encoder {
     /// System id of the sender.
     pub system_id: u8,
     /// Component id of the sender.
     pub component_id: u8,
-    /// Version to write. A message that MAVLink 1 cannot carry, having an id above 255, is written as MAVLink 2 all the
-    /// same: a peer that knows only MAVLink 1 passes over it.
+    /// Version to write. A message with an id above 255, which MAVLink 1 cannot carry, is written as MAVLink 2 in any
+    /// case: a peer that knows only MAVLink 1 skips it.
     pub version: Version,
     sequence: u8,
 }
@@ -36,27 +50,6 @@ impl Encoder {
     /// Appends `message` to `out` as one frame.
     pub fn encode(&mut self, message: &Message, out: &mut Vec<u8>) {
         self.write_frame(message.message_id(), out, |version, payload| message.ser(version, payload));
-    }
-
-    /// Appends a COMMAND_ACK for a command by its number, which the dialect need not know
-    /// (<https://mavlink.io/en/messages/common.html#COMMAND_ACK>).
-    pub fn encode_command_ack(&mut self, command: u16, result: MavResult, target: Target, out: &mut Vec<u8>) {
-        let [low, high] = command.to_le_bytes();
-        let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
-        self.write_fields(COMMAND_ACK_DATA::ID, &fields, 3, out);
-    }
-
-    /// Appends a MISSION_ACK for a type of plan by its number, which the dialect need not know
-    /// (<https://mavlink.io/en/messages/common.html#MISSION_ACK>).
-    pub fn encode_mission_ack(
-        &mut self,
-        mission_type: u8,
-        result: MavMissionResult,
-        target: Target,
-        out: &mut Vec<u8>,
-    ) {
-        let fields = [target.system_id, target.component_id, result as u8, mission_type];
-        self.write_fields(MISSION_ACK_DATA::ID, &fields, 3, out);
     }
 
     /// Appends a frame from the bytes of its fields, of which MAVLink 1 has the first `v1_length`.

@@ -45,8 +45,8 @@ pub const HOLD_MAX: Duration = Duration::from_millis(100);
 pub const UNDER_WAY_MAX: usize = 65_536;
 
 impl ImpairmentSettings {
-    /// Greatest share of datagrams lost, duplicated or reordered in a flight: over a link that loses everything, a flight
-    /// would wait for ever.
+    /// Greatest share of datagrams lost, duplicated or reordered in a flight: over a link that loses everything, a
+    /// flight would wait for ever.
     pub const SHARE_MAX: f64 = 0.95;
     /// Greatest delay and jitter, ms.
     const DELAY_MAX_MS: f64 = 60_000.0;
@@ -106,7 +106,10 @@ pub struct Impairment<A = SocketAddr> {
 }
 
 impl<A: Clone> Impairment<A> {
-    /// A link with `settings`, of the random stream `stream` of `seed`. Settings out of range are errors.
+    /// A link with `settings`, of the random stream `stream` of `seed`.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: ImpairmentSettings, seed: u64, stream: u64) -> Result<Self, ImpairmentError> {
         settings.validate()?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -380,7 +383,8 @@ mod tests {
             prop_assert!(arrivals.is_sorted_by_key(|&(at, _)| at));
         }
 
-        // Were the number of draws to depend on a datagram's fate, a change of one setting would change all the others'.
+        // Were the number of draws to depend on a datagram's fate, a change of one setting would change all the
+        // others'.
         #[test]
         fn the_datagrams_lost_depend_on_the_loss_alone(settings in settings(), seed in any::<u64>()) {
             let survivors = |settings| {

@@ -1,8 +1,9 @@
-//! How good a front is: hypervolume and IGD+. Every objective is minimised; a point is a row with one value per objective.
+//! Quality indicators of a front: hypervolume and IGD+. Every objective is minimised; a point is a row with one value
+//! per objective.
 
 use crate::optimizer::Front;
 
-/// Why a front has no such figure.
+/// Why an indicator cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IndicatorError {
     /// A point is longer or shorter than the reference.
@@ -16,7 +17,7 @@ pub enum IndicatorError {
     /// A value is NaN or infinite.
     #[error("a value is not a finite number")]
     NotFinite,
-    /// There is nothing to measure, or nothing to measure it by.
+    /// There are no points, or no points of the true front.
     #[error("there are no points")]
     Empty,
 }
@@ -28,8 +29,9 @@ pub fn rows(front: &Front<'_>) -> Vec<Vec<f64>> {
 
 /// The volume that some points dominate inside the box below a reference point (Zitzler and Thiele 1998), exactly.
 ///
-/// Points may be dominated or equal; those that are not better than the reference in everything add nothing. Two objectives
-/// are swept in O(n log n), more are the WFG algorithm of While, Bradstreet and Barone (2012): exponential in the objectives.
+/// Points may be dominated or equal; a point that is not better than the reference in every objective adds nothing. Two
+/// objectives are swept in O(n log n), more are the WFG algorithm of While, Bradstreet and Barone (2012): exponential
+/// in the objectives.
 ///
 /// # Errors
 /// A point or the reference is not finite, or is of another number of objectives. No points dominate a volume of 0.
@@ -48,7 +50,7 @@ pub fn hypervolume<P: AsRef<[f64]>>(points: &[P], reference: &[f64]) -> Result<f
 
 /// The modified inverted generational distance IGD+ (Ishibuchi, Masuda, Tanigaki and Nojima 2015): the mean over the
 /// points z of the true front of the least d+(a, z) over the members a of a front, where
-/// d+(a, z) = sqrt(sum_k max(a_k - z_k, 0)^2): only what a member lacks counts, never what it has more.
+/// d+(a, z) = sqrt(sum_k max(a_k - z_k, 0)^2): only the amount by which a member is worse counts.
 ///
 /// # Errors
 /// Either set is empty, a value is not finite, or points are of different numbers of objectives.
@@ -178,7 +180,8 @@ mod tests {
                 let corner = |k: usize| (cell / 4_usize.pow(k as u32) % 4) as u8;
                 points.iter().any(|point| (0..objectives).all(|k| point[k] <= corner(k)))
             });
-            let rows: Vec<Vec<f64>> = points.iter().map(|point| point.iter().map(|&x| f64::from(x)).collect()).collect();
+            let row = |point: &Vec<u8>| point.iter().map(|&x| f64::from(x)).collect();
+            let rows: Vec<Vec<f64>> = points.iter().map(row).collect();
             prop_assert_eq!(hypervolume(&rows, &vec![4.0; objectives]), Ok(cells.count() as f64));
         }
     }

@@ -1,4 +1,4 @@
-//! The generation that an optimiser works on: positions, and what the problem says they cost.
+//! The current generation of an optimiser: positions, and their costs.
 
 use rand::Rng;
 
@@ -19,7 +19,8 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then puts seeds in place of the first.
+    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then replaces the first ones by
+    /// seeds.
     pub fn start(
         &mut self,
         len: usize,
@@ -44,9 +45,10 @@ impl Population {
         Ok(())
     }
 
-    /// Has the problem judge every position. What it refuses costs infinitely much of everything.
+    /// Evaluates every position. A rejected candidate has infinite costs.
     pub fn evaluate(&mut self, problem: &mut dyn Problem) {
-        // NaN, not what the last generation left: an objective that the problem forgets is refused, not inherited.
+        // NaN, not the values of the last generation: an objective that the problem does not write must not be
+        // inherited.
         self.costs.clear();
         self.costs.resize(self.len * self.objectives, f64::NAN);
         self.violation.clear();
@@ -74,7 +76,7 @@ impl Population {
         self.violation.reserve(len);
     }
 
-    /// Becomes `len` candidates whose positions are 0 until someone writes them, and whose costs are void.
+    /// Makes `len` candidates with positions of 0 and no costs yet.
     pub fn reset(&mut self, len: usize, dimensions: usize, objectives: usize) {
         (self.len, self.dimensions, self.objectives) = (len, dimensions, objectives);
         self.costs.clear();
@@ -83,7 +85,7 @@ impl Population {
         self.positions.resize(len * dimensions, 0.0);
     }
 
-    /// Becomes all of one evaluated population and then all of another, costs included.
+    /// Copies one evaluated population and then another, with their costs.
     pub fn join(&mut self, first: &Self, second: &Self) {
         self.reset(0, first.dimensions, first.objectives);
         self.len = first.len + second.len;
@@ -100,7 +102,7 @@ impl Population {
         join(&mut self.violation, &first.violation, &second.violation);
     }
 
-    /// Becomes some candidates of an evaluated population, costs included.
+    /// Copies some candidates of an evaluated population, with their costs.
     pub fn select(&mut self, from: &Self, chosen: &[u32]) {
         self.reset(0, from.dimensions, from.objectives);
         self.len = chosen.len();
@@ -114,7 +116,7 @@ impl Population {
         select(&mut self.violation, &from.violation);
     }
 
-    /// Drops candidates, given in descending order. Costs are void until the next evaluation.
+    /// Drops candidates, given in descending order. The costs are invalid until the next evaluation.
     pub fn remove(&mut self, dropped: &[u32]) {
         remove_rows(&mut self.positions, self.len, dropped);
         self.len -= dropped.len();
@@ -159,7 +161,8 @@ pub(crate) fn pick(count: usize, bits: u32) -> usize {
     ((u64::from(bits) * count as u64) >> 32) as usize
 }
 
-/// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's place.
+/// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's
+/// place.
 pub(crate) fn remove_rows(table: &mut Vec<f64>, rows: usize, dropped: &[u32]) {
     let left = rows - dropped.len();
     for (column, start) in (0..table.len()).step_by(rows.max(1)).enumerate() {

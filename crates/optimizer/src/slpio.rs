@@ -1,4 +1,5 @@
-//! Eq. 14 and Eq. 15 of Ruan and Duan: social learning pigeon-inspired optimisation (SL-PIO) of one objective, in two stages.
+//! Eq. 14 and Eq. 15 of Ruan and Duan: social learning pigeon-inspired optimisation (SL-PIO) of one objective, in two
+//! stages.
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -12,8 +13,9 @@ use crate::settings::{self, check_settings};
 use crate::stream::Stream;
 use crate::sum::SumOfObjectives;
 
-/// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not say how long each stage is: the
-/// default is three quarters and one quarter of 12 iterations, and 651 evaluations like the other pigeon-inspired optimisers.
+/// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not give the length of each
+/// stage: the default is three quarters and one quarter of 12 iterations, and 651 evaluations as for the other
+/// pigeon-inspired optimisers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SlpioSettings {
@@ -29,10 +31,11 @@ pub struct SlpioSettings {
     pub map_and_compass_iterations: usize,
     /// Iterations of the landmark stage (Eq. 15), at most 1000000.
     pub landmark_iterations: usize,
-    /// N_removed: pigeons that leave in each iteration of the landmark stage, the worst. At least one must be left for the
-    /// last. The paper: 2.
+    /// N_removed: pigeons that leave in each iteration of the landmark stage, the worst. At least one must be left for
+    /// the last. The paper: 2.
     pub removed_per_iteration: usize,
-    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0 to 1.
+    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0
+    /// to 1.
     pub velocity_limit: f64,
 }
 
@@ -53,6 +56,9 @@ impl Default for SlpioSettings {
 
 impl SlpioSettings {
     /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// The first setting that is out of its range, with that range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let (iterations, pigeons) = (self.landmark_iterations, self.population());
         check_settings(&[
@@ -78,9 +84,9 @@ impl SlpioSettings {
         self.population().saturating_mul(self.map_and_compass_iterations).saturating_add(landmark)
     }
 
-    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
-    /// optimisers comparable. Nobody leaves the flock, and a quarter of the
-    /// iterations are of the landmark stage.
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
+    /// generation: what makes optimisers comparable. No pigeon is removed, and a quarter of the iterations belong to
+    /// the landmark stage.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         let iterations = generations.saturating_sub(1);
         Self {
@@ -103,29 +109,33 @@ impl SlpioSettings {
     }
 }
 
-/// The optimiser. Of a problem of several objectives it minimises the sum. Its front has one member, the best candidate of all that
-/// it judged, and one objective.
+/// The optimiser. It minimises the sum of a problem's objectives. Its front has one objective, the sum, and one member,
+/// the best of all candidates that it evaluated.
 ///
-/// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now (by
-/// violation, then cost), so the best pigeons, who have none, stay where they are, as in the SL-PSO of Cheng and Jin; `rand`
-/// is drawn for each pigeon and dimension uniformly from [0, 1); and the N_removed who leave are the worst.
+/// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now
+/// (by violation, then cost), so the best pigeons, which have none, stay where they are, as in the SL-PSO of Cheng and
+/// Jin; `rand` is drawn for each pigeon and dimension uniformly from [0, 1); and the N_removed worst pigeons are
+/// removed.
 #[derive(Clone, Debug)]
 pub struct Slpio {
     settings: SlpioSettings,
-    /// Of one objective, ranks are places in the order of costs and the archive is the best candidate so far.
+    /// With one objective, ranks are places in the order of costs, and the archive is the best candidate so far.
     flock: ParetoFlock,
     demonstrators: Vec<u32>,
     x_model: Vec<f64>,
     draws: Vec<u32>,
-    /// What a problem of several objectives says of each.
+    /// The costs of the inner problem's objectives.
     objectives: Vec<f64>,
 }
 
-/// In place of a demonstrator, of a pigeon to whom nobody is superior.
+/// Stands for no demonstrator: no pigeon is better than this one.
 const NOBODY: u32 = u32::MAX;
 
 impl Slpio {
     /// An optimiser with these settings.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: SlpioSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self {
@@ -155,7 +165,7 @@ impl Slpio {
         Ok(())
     }
 
-    /// Fig. 1: of each pigeon, one that is superior to it.
+    /// Fig. 1: a better pigeon for each pigeon.
     fn choose_demonstrators(&mut self, rng: &mut Stream) {
         self.demonstrators.clear();
         for &rank in self.flock.sort.ranks() {
@@ -176,7 +186,7 @@ impl Slpio {
             self.draw(pigeons, rng);
             let limit = self.settings.velocity_limit * bounds.range();
             let coordinate = self.flock.swarm.coordinate_mut(dimension);
-            // Demonstrators fly too: what a pigeon learns is where its own was before.
+            // Demonstrators move too: a pigeon learns from the previous position of its demonstrator.
             self.x_model.clear();
             self.x_model.extend_from_slice(coordinate);
             let velocities = &mut self.flock.velocities[dimension * pigeons..][..pigeons];
@@ -189,8 +199,8 @@ impl Slpio {
         }
     }
 
-    /// Eq. 15, the landmark operator: X_center is the mean of all pigeons, the worst leave, and the others approach it,
-    /// X_i = X_i + rand c2 (X_center - X_i).
+    /// Eq. 15, the landmark operator: X_center is the mean of all pigeons, the worst are removed, and the others
+    /// approach it, X_i = X_i + rand c2 (X_center - X_i).
     fn approach_center(&mut self, bounds: &[Bounds], rng: &mut Stream) {
         self.flock.x_center.clear();
         for dimension in 0..bounds.len() {
@@ -238,7 +248,7 @@ impl Optimizer for Slpio {
     }
 
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
-        // Lent to the problem, as the flock is to change beside it.
+        // Moved out for the time of the solve: the flock changes beside it.
         let mut objectives = std::mem::take(&mut self.objectives);
         let solved = self.solve(&mut SumOfObjectives { problem, objectives: &mut objectives }, rng);
         self.objectives = objectives;
