@@ -39,6 +39,7 @@ pub mod impairment;
 pub mod incoming;
 pub mod kind;
 pub mod link;
+pub mod multicast;
 pub mod parameter;
 pub mod plan;
 pub mod setpoint;
@@ -57,6 +58,7 @@ pub use fleet::{Craft, Fleet, Identity, News, Position};
 pub use frame::{Frame, FrameError, Header, Version};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
 pub use incoming::{Incoming, Request, incoming};
+pub use multicast::{MULTICAST_GROUP, MulticastLink, MulticastScope};
 pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_value};
 pub use plan::{ItemKind, PlanItem, PlanItemMessage, PlanMessage};
 pub use setpoint::{

@@ -20,6 +20,8 @@ mod world;
 pub use counters::VehicleCounters;
 pub use firmware::Personality;
 pub use host::clock::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer, port_index};
+pub use host::layout::PortLayout;
+pub use host::lines::Protocol;
 pub use host::{Host, HostReport, HostSettings};
 pub use links::{PeerId, Transmit};
 pub use mode::{Mode, NoSuchMode};

@@ -15,7 +15,7 @@ use crate::links::PeerId;
 use crate::links::Transmit;
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
-use crate::parameters::{Parameter, Parameters};
+use crate::parameters::{Parameter, Parameters, shape_limits};
 use crate::protocol::mission::{PlanKind, Uploads};
 use crate::protocol::parameter::{Listings, Pace};
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
@@ -78,6 +78,8 @@ pub struct Vehicle {
     /// Whether somebody has set home: then arming leaves it.
     pub(crate) home_is_set: bool,
     pub(crate) px4: px4::State,
+    /// What a client has set SIM_SPEEDUP to, until the host takes it.
+    pub(crate) speedup_wanted: Option<f64>,
     pub(crate) counters: VehicleCounters,
     wire: Counters,
 }
@@ -108,7 +110,8 @@ impl Vehicle {
         Self::start(settings, Some(Lockstep::new(lockstep)))
     }
 
-    fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+    fn start(mut settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        shape_limits(&mut settings);
         let parameters = Parameters::new(&settings);
         let mut vehicle = Self {
             world: World::new(&settings, &parameters),
@@ -138,6 +141,7 @@ impl Vehicle {
             flown_at: Duration::ZERO,
             home_is_set: false,
             px4: px4::State::default(),
+            speedup_wanted: None,
             counters: VehicleCounters::default(),
             wire: Counters::default(),
             settings,
@@ -190,6 +194,34 @@ impl Vehicle {
             self.announce(link);
         }
         self.serve(link, incoming);
+    }
+
+    /// A peer has connected at host time `now`, over a line that tells when it is gone: it gets telemetry from now on, until
+    /// [`disconnect`](Self::disconnect).
+    pub fn connect(&mut self, now: Duration, peer: PeerId) {
+        self.note_host_time(now);
+        let link = self.links.open(peer, self.host_now, self.time);
+        self.announce(link);
+    }
+
+    /// A peer that has connected is gone.
+    pub fn disconnect(&mut self, peer: PeerId) {
+        self.links.disconnect(peer);
+    }
+
+    /// How fast its clock is to run, if a client has set SIM_SPEEDUP since this was last asked: the host's, and so that of all
+    /// its vehicles.
+    pub fn take_speedup(&mut self) -> Option<f64> {
+        self.speedup_wanted.take()
+    }
+
+    /// How fast its clock runs, for SIM_SPEEDUP.
+    pub fn note_speedup(&mut self, speedup: f64) {
+        // Out of range it is told as the nearest that clients can set.
+        let speedup = speedup.clamp(0.01, 100.0) as f32;
+        if self.parameters.get(Parameter::Speedup) != speedup {
+            let _ = self.parameters.set(Parameter::Speedup, speedup);
+        }
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.

@@ -2,7 +2,7 @@
 //! before anything flies.
 
 use super::file::Place;
-use super::{Listed, ParameterRefused, Parameters, in_any_order};
+use super::{Listed, ParameterRefused, Parameters, in_any_order, shape_limits};
 use crate::settings::VehicleSettings;
 
 /// A parameter that a vehicle does not take at the start.
@@ -21,7 +21,9 @@ pub struct ParameterFault {
 /// What is wrong with [`VehicleSettings::parameter_files`] and [`VehicleSettings::default_parameters`]; nothing if a
 /// vehicle takes them all.
 pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
-    let mut parameters = Parameters::new(settings);
+    let mut settings = settings.clone();
+    shape_limits(&mut settings);
+    let mut parameters = Parameters::new(&settings);
     let known = parameters.adopt(&settings.parameter_files);
     let refused = in_any_order(known, |parameter, value| parameters.set(parameter, value));
     let mut faults: Vec<ParameterFault> = refused

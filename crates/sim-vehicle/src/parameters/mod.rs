@@ -10,7 +10,7 @@ mod inert;
 mod table;
 
 pub use check::{ParameterFault, check_parameters};
-pub(crate) use defaults::in_any_order;
+pub(crate) use defaults::{in_any_order, shape_limits};
 pub(crate) use table::{Effect, Parameter};
 
 use crate::autopilot::flight::Tuning;
@@ -60,6 +60,7 @@ pub(crate) struct Parameters {
     /// Behind those of the list.
     inert: Inert,
     speed_limits_mps: (f32, f32),
+    climb_limits_mps: (f32, f32),
     roll_limit_deg: f32,
     rate_max_hz: f32,
 }
@@ -80,6 +81,7 @@ impl Parameters {
             is_default: [false; Parameter::COUNT],
             inert: Inert::default(),
             speed_limits_mps: (limits.speed_min_mps as f32, limits.speed_max_mps as f32),
+            climb_limits_mps: (limits.climb_min_mps as f32, limits.climb_max_mps as f32),
             roll_limit_deg: Self::roll_limit_deg(settings),
             rate_max_hz: settings.fastest_hz().floor() as f32,
         }
@@ -216,7 +218,10 @@ impl Parameters {
 
     /// What has been set and is worth keeping, by name.
     pub fn kept(&self) -> impl Iterator<Item = (&str, f64)> {
-        let is_kept = |parameter: Parameter| self.is_set[parameter as usize] && !self.is_default[parameter as usize];
+        // The clock is the host's, and runs as it is told at each start.
+        let is_kept = |parameter: Parameter| {
+            self.is_set[parameter as usize] && !self.is_default[parameter as usize] && parameter != Parameter::Speedup
+        };
         let kept = Parameter::ALL.iter().copied().filter(move |parameter| is_kept(*parameter));
         let inert = self.inert.iter().filter(|own| own.is_set()).map(|own| (own.name(), own.value()));
         kept.map(|parameter| (self.name(parameter), f64::from(self.get(parameter)))).chain(inert)
@@ -232,7 +237,9 @@ impl Parameters {
             rtl_radius_m: set(Parameter::RtlRadius).filter(|radius_m| *radius_m != 0.0).unwrap_or(loiter_radius_m),
             rtl_altitude_m,
             takeoff_altitude_m: f64::from(self.get(Parameter::TakeoffAltitude)),
-            cruise_speed_mps: set(Parameter::AirspeedCruise),
+            cruise_speed_mps: set(Parameter::AirspeedCruise).or(settings.cruise_speed_mps),
+            climb_max_mps: set(Parameter::ClimbMax).unwrap_or(f64::INFINITY),
+            sink_max_mps: set(Parameter::SinkMax).unwrap_or(f64::INFINITY),
             lateral_overload_max: set(Parameter::RollLimit)
                 .map_or(f64::INFINITY, |limit_deg| libm::tan(limit_deg.to_radians())),
         }

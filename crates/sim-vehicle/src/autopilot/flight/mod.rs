@@ -94,7 +94,9 @@ impl Flight {
                 loiter_radius_m: settings.loiter_radius_m,
                 rtl_radius_m: settings.loiter_radius_m,
                 rtl_altitude_m: None,
-                cruise_speed_mps: None,
+                cruise_speed_mps: settings.cruise_speed_mps,
+                climb_max_mps: f64::INFINITY,
+                sink_max_mps: f64::INFINITY,
                 takeoff_altitude_m: TAKEOFF_ALTITUDE_M,
                 lateral_overload_max: f64::INFINITY,
             },
@@ -333,7 +335,10 @@ impl Flight {
     fn limited_dynamics(&self) -> Dynamics {
         let mut dynamics = self.dynamics;
         let overload = (self.lateral_limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
-        dynamics.limits.lateral_overload_max = overload.min(dynamics.limits.lateral_overload_max);
+        let limits = &mut dynamics.limits;
+        limits.lateral_overload_max = overload.min(limits.lateral_overload_max);
+        limits.climb_max_mps = self.tuning.climb_max_mps.min(limits.climb_max_mps);
+        limits.climb_min_mps = (-self.tuning.sink_max_mps).max(limits.climb_min_mps);
         dynamics
     }
 

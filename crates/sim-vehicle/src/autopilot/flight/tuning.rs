@@ -13,6 +13,10 @@ pub(crate) struct Tuning {
     pub takeoff_altitude_m: f64,
     /// Speed of LOITER and RTL, m/s; none: the present one.
     pub cruise_speed_mps: Option<f64>,
+    /// Fastest climb and descent, m/s, beside the flight model's own.
+    pub climb_max_mps: f64,
+    /// The same downwards, above zero.
+    pub sink_max_mps: f64,
     /// Greatest horizontal acceleration, as a multiple of gravity, beside the flight model's own.
     pub lateral_overload_max: f64,
 }

@@ -103,6 +103,9 @@ impl Vehicle {
 
     /// Takes a value of a parameter, and does what it means.
     pub(crate) fn set_parameter(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
+        if parameter == Parameter::Speedup && self.lockstep.is_some() {
+            return Err(ParameterRefused::ReadOnly(self.parameters.name(parameter).into()));
+        }
         self.parameters.set(parameter, value)?;
         self.parameters_changed = true;
         let value = self.parameters.get(parameter);
@@ -118,6 +121,7 @@ impl Vehicle {
             Effect::RadioLoss => self.links.set_loss(f64::from(value) / 100.0),
             Effect::Battery => self.world.battery.replace(),
             Effect::Fence => self.reconfigure_fence(parameter),
+            Effect::Speedup => self.speedup_wanted = Some(f64::from(value)),
             Effect::SetpointTimeout => self.restart_setpoint_timeout(),
             Effect::LookedUp | Effect::ReadOnly => {}
         }
