@@ -17,6 +17,7 @@ pub use vehicles::vehicles;
 
 use crate::args::Cli;
 use crate::config::Scenario;
+use crate::counted::counted;
 use crate::flight::Flight;
 use crate::flying::{self, Log, Stop};
 use crate::record::{self, RunFolder};
@@ -87,14 +88,14 @@ fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Resul
 /// The run's folder, tried before the flight. Made last of all that can be refused, so that nothing is left of a run that is.
 fn open_folder(scenario: &Scenario) -> anyhow::Result<RunFolder> {
     RunFolder::create(&scenario.folder).map_err(|error| {
-        let whence = scenario.provenance.of("output.folder", "--out");
+        let whence = scenario.provenance.of("output.folder");
         anyhow!("{whence}: {error}: must be a folder that can be made and written into")
     })
 }
 
 /// The controller's port that cannot be bound.
 fn ground_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
-    port_refused(scenario, "link.ground_port", "--ground-port", "a free port, or 0 for any", error.into())
+    port_refused(scenario, "link.ground_port", "a free port, or 0 for any", error.into())
 }
 
 /// Sees to it that the system lets this program open a port for each vehicle or group.
@@ -120,21 +121,18 @@ fn vehicle_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) ->
         1 => "a free port, or 0 for any".to_owned(),
         count => format!("the first of {count} free ports in a row, or 0 for any"),
     };
-    port_refused(scenario, "link.vehicle_port", "--vehicle-port", &wanted, error.into())
+    port_refused(scenario, "link.vehicle_port", &wanted, error.into())
 }
 
-fn port_refused(scenario: &Scenario, key: &str, flag: &str, wanted: &str, error: anyhow::Error) -> anyhow::Error {
+fn port_refused(scenario: &Scenario, key: &str, wanted: &str, error: anyhow::Error) -> anyhow::Error {
     let no_such_host = error
         .chain()
         .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
         .any(|cause| cause.kind() == ErrorKind::AddrNotAvailable);
     if no_such_host {
-        return anyhow!(
-            "{}: {error}: must be an address of this machine",
-            scenario.provenance.of("link.host", "the file")
-        );
+        return anyhow!("{}: {error}: must be an address of this machine", scenario.provenance.of("link.host"));
     }
-    anyhow!("{}: {error}: must be {wanted}", scenario.provenance.of(key, flag))
+    anyhow!("{}: {error}: must be {wanted}", scenario.provenance.of(key))
 }
 
 /// To standard output. A reader that has gone away wants no more.
@@ -196,10 +194,10 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
     let metres = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.2} m"));
     let seconds = |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |value| format!("{value:.1} s"));
     print_line(format_args!(
-        "{}: {} UAVs, {} obstacles, {:.1} s flown in {:.2} s ({:.0} times real time, {})",
+        "{}: {}, {}, {:.1} s flown in {:.2} s ({:.0} times real time, {})",
         scenario.name,
-        summary.vehicles,
-        summary.obstacles,
+        counted(summary.vehicles, "UAV"),
+        counted(summary.obstacles, "obstacle"),
         summary.duration_s,
         summary.wall_s,
         summary.real_time_factor,

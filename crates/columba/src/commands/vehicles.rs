@@ -3,7 +3,7 @@
 use super::table::Table;
 use super::{Failure, allow_ports, block_on, stop_on_signal, vehicle_port_refused};
 use crate::args::{Cli, VehiclesArgs};
-use crate::config::{self, GROUND_PORT, Overrides, Scenario, VEHICLE_PORT};
+use crate::config::{self, GROUND_PORT, Scenario, VEHICLE_PORT};
 use crate::flying;
 use anyhow::{Context, anyhow};
 use mavlink_bridge::LinkSettings;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Runs the vehicles until Ctrl-C.
 pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
-    let scenario = config::load(args.config.as_deref(), &overrides(args))?;
+    let scenario = config::load(args.config.as_deref(), &cli.layers)?;
     let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
     check_apart(&scenario, base_port)?;
     allow_ports(&scenario)?;
@@ -52,23 +52,6 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     tracing::info!(wire = ?report.wire, "vehicles stopped");
     tell_speed(&report, args.speed);
     Ok(())
-}
-
-fn overrides(args: &VehiclesArgs) -> Overrides {
-    Overrides {
-        seed: args.seed,
-        vehicle_port: args.vehicle_port,
-        ground_port: args.ground_port,
-        loss: args.loss,
-        count: args.count,
-        pattern: args.pattern,
-        swarm: args.swarm.clone(),
-        vehicles_per_port: args.per_port,
-        parameters: args.parameters.clone(),
-        on_ground: args.on_ground,
-        personality: args.personality,
-        ..Overrides::default()
-    }
 }
 
 /// Where a vehicle sends its telemetry unasked. Each network has a ground port of its own: on one port, vehicles of two

@@ -1,14 +1,12 @@
 //! A checked scenario: what flies.
 
-use super::file::{AutopilotTable, Pattern, PatternTable, Preset, ScenarioFile, SetpointDialect};
+use super::file::{AutopilotTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
-use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
+use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use mavlink_bridge::ImpairmentSettings;
-use optimizer::{Algorithm, OptimizerSettings};
-use sim_vehicle::Personality;
+use optimizer::OptimizerSettings;
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -76,102 +74,6 @@ pub struct Link {
     pub impairment: ImpairmentSettings,
 }
 
-/// What the command line changes of a file.
-#[derive(Clone, Debug, Default)]
-pub struct Overrides {
-    /// `--seed`.
-    pub seed: Option<u64>,
-    /// `--preset`.
-    pub preset: Option<Preset>,
-    /// `--optimizer`.
-    pub algorithm: Option<Algorithm>,
-    /// `--duration`, s.
-    pub duration_s: Option<f64>,
-    /// `--out`.
-    pub folder: Option<PathBuf>,
-    /// `--vehicle-port`.
-    pub vehicle_port: Option<u16>,
-    /// `--ground-port`.
-    pub ground_port: Option<u16>,
-    /// `--loss`, a share.
-    pub loss: Option<f64>,
-    /// `--count`: replaces the file's vehicles by so many in a pattern.
-    pub count: Option<usize>,
-    /// `--on-ground`.
-    pub on_ground: bool,
-    /// `--personality`.
-    pub personality: Option<Personality>,
-    /// `--pattern`: how they are laid out.
-    pub pattern: Option<Pattern>,
-    /// `--swarm`: replaces the file's vehicles by those of a swarm file.
-    pub swarm: Option<PathBuf>,
-    /// `--per-port`.
-    pub vehicles_per_port: Option<usize>,
-    /// `--param`, each NAME and value; the last of a name counts.
-    pub parameters: Vec<(String, f64)>,
-}
-
-impl Overrides {
-    /// The keys that are changed, each with the flag and the value that change it.
-    pub(super) fn flags(&self) -> Vec<(String, String)> {
-        fn flag(key: &str, name: &str, value: Option<impl Display>) -> Option<(String, String)> {
-            value.map(|value| (key.to_owned(), format!("{name} {value}")))
-        }
-        let swarm = self.swarm.as_ref().map(|file| file.display());
-        let parameters = self
-            .parameters
-            .iter()
-            .rev()
-            .map(|(name, value)| Some((format!("parameters.{name}"), format!("--param {name}={value}"))));
-        let folder = self.folder.as_ref().map(|folder| folder.display());
-        [
-            flag("scenario.seed", "--seed", self.seed),
-            flag("scenario.duration_s", "--duration", self.duration_s),
-            flag("output.folder", "--out", folder),
-            flag("link.vehicle_port", "--vehicle-port", self.vehicle_port),
-            flag("link.ground_port", "--ground-port", self.ground_port),
-            flag("link.vehicles_per_port", "--per-port", self.vehicles_per_port),
-            flag("link.loss", "--loss", self.loss),
-            flag("vehicles", "--count", self.count),
-            flag("vehicles.count", "--count", self.count),
-            flag("autopilot.personality", "--personality", self.personality),
-            flag("autopilot.on_ground", "--on-ground", self.on_ground.then_some("")),
-            flag("vehicles", "--swarm", swarm),
-        ]
-        .into_iter()
-        .chain(parameters)
-        .flatten()
-        .collect()
-    }
-
-    pub(super) fn apply(&self, file: &mut ScenarioFile) {
-        let replace = |value: &mut Option<u16>, with: Option<u16>| *value = with.or(*value);
-        replace(&mut file.link.vehicle_port, self.vehicle_port);
-        replace(&mut file.link.ground_port, self.ground_port);
-        file.autopilot.on_ground |= self.on_ground;
-        file.autopilot.personality = self.personality.unwrap_or(file.autopilot.personality);
-        file.scenario.seed = self.seed.unwrap_or(file.scenario.seed);
-        file.scenario.duration_s = self.duration_s.unwrap_or(file.scenario.duration_s);
-        file.preset = self.preset.unwrap_or(file.preset);
-        file.optimizer.algorithm = self.algorithm.unwrap_or(file.optimizer.algorithm);
-        file.link.loss = self.loss.unwrap_or(file.link.loss);
-        file.link.vehicles_per_port = self.vehicles_per_port.unwrap_or(file.link.vehicles_per_port);
-        file.parameters.extend(self.parameters.iter().cloned());
-        if self.count.is_some() || self.swarm.is_some() {
-            file.vehicle.clear();
-            file.vehicles.get_or_insert(PatternTable::DEFAULT);
-        }
-        let Some(table) = &mut file.vehicles else { return };
-        if let Some(swarm) = &self.swarm {
-            (table.pattern, table.file, table.count) = (Pattern::File, Some(swarm.clone()), None);
-        }
-        table.count = self.count.or(table.count);
-        if let Some(pattern) = self.pattern {
-            (table.pattern, table.file) = (pattern, None);
-        }
-    }
-}
-
 impl Scenario {
     /// From a file whose settings are all in range.
     pub(super) fn new(file: ScenarioFile, provenance: Provenance) -> Self {
@@ -181,7 +83,9 @@ impl Scenario {
             altitude_m: file.flock.expected_altitude_m,
         };
         let origin = file.scenario.origin;
-        let folder = file.output.folder.clone().map_or_else(|| default_folder(&file.scenario.name), PathBuf::from);
+        // A path need not be text.
+        let folder = provenance.raw("output.folder").map(PathBuf::from);
+        let folder = folder.or_else(|| file.output.folder.clone().map(PathBuf::from));
         Self {
             starts: starts(&file, &expected),
             obstacles: file
@@ -200,7 +104,7 @@ impl Scenario {
                 altitude_amsl_m: origin.altitude_amsl_m,
             }),
             expected,
-            dynamics: dynamics(&file),
+            dynamics: file.dynamics.dynamics(),
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
@@ -211,15 +115,9 @@ impl Scenario {
                 vehicles_per_port: file.link.vehicles_per_port,
                 ground_port: file.link.ground_port,
                 setpoints: file.link.setpoints,
-                impairment: ImpairmentSettings {
-                    loss: file.link.loss,
-                    duplication: file.link.duplication,
-                    reordering: file.link.reordering,
-                    delay_ms: file.link.delay_ms,
-                    jitter_ms: file.link.jitter_ms,
-                },
+                impairment: file.link.impairment(),
             },
-            folder,
+            folder: folder.unwrap_or_else(|| default_folder(&file.scenario.name)),
             provenance,
             name: file.scenario.name,
         }
@@ -266,26 +164,6 @@ fn starts(file: &ScenarioFile, expected: &Expected) -> Vec<State> {
             patterns::starts(pattern, &like, file.scenario.seed)
         }
         None => file.vehicle.iter().map(|v| state(v.x_m, v.y_m, v.altitude_m, v.speed_mps, v.course_deg)).collect(),
-    }
-}
-
-fn dynamics(file: &ScenarioFile) -> Dynamics {
-    let table = &file.dynamics;
-    Dynamics {
-        time_constants: TimeConstants {
-            speed_s: table.speed_time_constant_s,
-            course_s: table.course_time_constant_s,
-            altitude_a_s: table.altitude_time_constant_a_s,
-            altitude_b_s: table.altitude_time_constant_b_s,
-        },
-        limits: Limits {
-            speed_min_mps: table.speed_min_mps,
-            speed_max_mps: table.speed_max_mps,
-            climb_min_mps: table.climb_min_mps,
-            climb_max_mps: table.climb_max_mps,
-            lateral_overload_max: table.lateral_overload_max,
-            gravity_mps2: table.gravity_mps2,
-        },
     }
 }
 

@@ -3,8 +3,7 @@
 use crate::config::Scenario;
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{
-    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, TelemetryRates, VehicleSettings,
-    port_index,
+    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, VehicleSettings, port_index,
 };
 use std::net::SocketAddr;
 use std::time::{Duration, SystemTime};
@@ -45,16 +44,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         frame: scenario.frame,
         armed: autopilot.armed,
         on_ground: autopilot.on_ground,
-        rates: TelemetryRates {
-            heartbeat_hz: autopilot.heartbeat_hz,
-            sys_status_hz: autopilot.sys_status_hz,
-            system_time_hz: autopilot.system_time_hz,
-            attitude_hz: autopilot.attitude_hz,
-            global_position_int_hz: autopilot.global_position_int_hz,
-            vfr_hud_hz: autopilot.vfr_hud_hz,
-            local_position_ned_hz: autopilot.local_position_ned_hz,
-            ..TelemetryRates::default()
-        },
+        rates: autopilot.rates(),
         setpoint_timeout_s: autopilot.setpoint_timeout_s,
         loiter_radius_m: autopilot.loiter_radius_m,
         clock_epoch_us,

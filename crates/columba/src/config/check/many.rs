@@ -1,7 +1,8 @@
 //! What many vehicles need: places enough in their file, ports enough for them, parameters that each of them takes.
 
-use super::{COUNT_MAX, Faults};
+use super::COUNT_MAX;
 use crate::config::Scenario;
+use crate::config::fault::Faults;
 use crate::config::file::{Pattern, PatternTable, ScenarioFile};
 use sim_vehicle::{NETWORK_VEHICLES_MAX, ParameterFault, VehicleSettings, port_index};
 use std::collections::BTreeSet;
