@@ -4,8 +4,11 @@
         for vehicle in columba_vehicles(3):
             assert vehicle.link.recv_match(type="ATTITUDE", blocking=True, timeout=5)
 
-Copy this file beside your conftest.py and say `pytest_plugins = ["pytest_columba"]` there, or install this folder with pip.
-It needs pymavlink, and the program: COLUMBA_BIN, or `columba` on the PATH. README.md beside it says the rest.
+Install this folder with pip; or copy this file beside your conftest.py and import the fixtures there:
+
+    from pytest_columba import columba_fleet, columba_program, columba_vehicles
+
+It needs pymavlink, and the program: COLUMBA_BIN, or `columba` on the PATH. README.md beside it describes the rest.
 """
 
 from __future__ import annotations
@@ -109,7 +112,7 @@ class Fleet:
     def restart(self) -> list[Any]:
         """Ends it and starts it anew with the same options; gives new connections, for the ports are new too.
 
-        What is set on board is gone, unless the options name a `--params-folder`.
+        What is set on board is gone, unless the options name a `--state-folder`.
         """
         self.stop()
         self._start()

@@ -155,9 +155,9 @@ pub enum Command {
 pub struct RunArgs {
     /// Scenario file (TOML); without one, the paper's five UAVs and seven obstacles.
     pub config: Option<PathBuf>,
-    /// Writes no report and no figures, only the record.
-    #[arg(long)]
-    pub no_report: bool,
+    /// What happens to the run's folder.
+    #[command(flatten)]
+    pub folder: FolderArgs,
     /// What carries states and setpoints.
     #[arg(long, value_enum, default_value_t = Transport::Udp)]
     pub transport: Transport,
@@ -191,9 +191,9 @@ pub struct VehiclesArgs {
 pub struct FlyArgs {
     /// Scenario file (TOML); without one, the paper's.
     pub config: Option<PathBuf>,
-    /// Writes no report and no figures, only the record.
-    #[arg(long)]
-    pub no_report: bool,
+    /// What happens to the run's folder.
+    #[command(flatten)]
+    pub folder: FolderArgs,
     /// The vehicles keep simulated time (columba vehicles --lockstep).
     #[arg(long, conflicts_with = "speed")]
     pub lockstep: bool,
@@ -221,9 +221,12 @@ pub struct CompareArgs {
     /// Seed of the flights that are drawn; by default the first.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub figure_seed: Option<u64>,
-    /// Folder of the comparison, made where it is missing; by default compare/ and the scenarios' names.
+    /// Folder of the comparison: new, empty, or one that is continued; by default compare/ and the scenarios' names.
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty and that no comparison has written: replaces files of the same names.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `columba check`.
@@ -255,9 +258,23 @@ pub struct SuitesArgs {
     /// Variables of each problem, 3 to 1000; by default as is customary: ZDT1-3 30, ZDT4 and 6 10, DTLZ1 7, DTLZ2 12.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = dimensions)]
     pub dimensions: Option<usize>,
-    /// Folder for the results, made where it is missing.
-    #[arg(long, short, value_name = "FOLDER", default_value = "runs/suites")]
-    pub out: PathBuf,
+    /// Folder for the results, new or empty; by default runs/suites, with a number where that is not empty.
+    #[arg(long, short, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Writes into a folder that is not empty: replaces the files of earlier results, keeps all others.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What `run` and `fly` do with the folder of the run.
+#[derive(Debug, Args)]
+pub struct FolderArgs {
+    /// Writes into a folder that is not empty: replaces the files of an earlier run, keeps all others.
+    #[arg(long)]
+    pub force: bool,
+    /// Writes no report and no figures, only the record.
+    #[arg(long)]
+    pub no_report: bool,
 }
 
 /// What carries states and setpoints.

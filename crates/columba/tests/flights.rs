@@ -64,8 +64,79 @@ fn a_run_writes_what_it_promises_and_nothing_else() {
     );
     assert_eq!(summary["min_separation_m"], Value::Null);
     // A run without a report or a log leaves none of an older flight's either.
-    room.columba(&["run", "small.toml", "--transport", "memory", "--no-report"]).with(0);
+    room.columba(&["run", "small.toml", "--transport", "memory", "--no-report", "--force"]).with(0);
     assert_eq!(room.files(), ["runs/small/summary.json", "runs/small/trajectory.parquet", "small.toml"]);
+}
+
+/// The bytes of every file below a folder, by name.
+fn contents(room: &Room, folder: &str) -> Vec<(String, Vec<u8>)> {
+    let files = room.files().into_iter().filter(|file| file.starts_with(&format!("{folder}/")));
+    files.map(|file| (file.clone(), room.read(&file))).collect()
+}
+
+#[test]
+fn an_earlier_run_is_kept_and_the_new_one_has_a_number() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    let run = |options: &[&str]| room.columba(&[&["run", "small.toml", "--no-report"], options].concat());
+    let said = run(&[]).with(0);
+    assert!(said.out.contains("record: runs/small/summary.json") && !said.out.contains("--force"), "{said:?}");
+    let first = contents(&room, "runs/small");
+    let said = run(&["--seed", "2"]).with(0);
+    assert!(said.out.contains("record: runs/small-2/summary.json"), "{said:?}");
+    assert!(said.out.contains("runs/small is not empty and was kept: --force writes into it"), "{said:?}");
+    run(&["--seed", "3", "--quiet", "--transport", "memory"]).with(0);
+    assert_eq!([2, 3].map(|number| room.summary(&format!("runs/small-{number}"))["seed"].clone()), [2, 3]);
+    assert!(contents(&room, "runs/small") == first, "the earlier run is as it was");
+    // A folder that the file names is the folder of every run of the file.
+    room.write("named.toml", format!("{SMALL}\n[output]\nfolder = \"runs/small\"\n"));
+    room.columba(&["run", "named.toml", "--no-report", "-q"]).with(0);
+    assert!(room.path("runs/small-4/summary.json").exists());
+    assert!(contents(&room, "runs/small") == first);
+    run(&["--seed", "4", "--force", "--quiet"]).with(0);
+    assert_eq!(room.summary("runs/small")["seed"], 4);
+}
+
+#[test]
+fn a_named_folder_that_is_not_empty_is_refused_unless_forced() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    std::fs::create_dir_all(room.path("mine/figures")).unwrap();
+    for file in ["mine/report.html", "mine/figures/paths.svg", "mine/notes.txt"] {
+        room.write(file, "somebody's own");
+    }
+    let before = contents(&room, "mine");
+    for command in [&["run", "small.toml"][..], &["run", "small.toml", "--transport", "memory"], &["suites"]] {
+        room.columba(&[command, &["--out", "mine"]].concat()).refused(&[
+            "--out",
+            "the folder mine is not empty",
+            "must be a new or an empty folder",
+            "--force",
+        ]);
+    }
+    let fly = ["fly", "small.toml", "--out", "mine", "--ground-port", "0"];
+    room.columba(&fly).refused(&["the folder mine is not empty", "--force"]);
+    room.columba(&["compare", "small.toml", "--out", "mine"])
+        .refused(&["the folder mine is not empty and holds no journal.jsonl", "--force"]);
+    assert!(contents(&room, "mine") == before);
+    // Forced, files of a run's names are replaced, and no other file is touched.
+    room.columba(&["run", "small.toml", "--out", "mine", "--force", "-q"]).with(0);
+    assert!(room.read("mine/report.html").len() > 1000 && room.read("mine/figures/paths.svg").len() > 1000);
+    assert_eq!(room.read("mine/notes.txt"), b"somebody's own");
+}
+
+#[test]
+fn runs_that_start_together_have_a_folder_each() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    let start = |_| room.command(&["run", "small.toml", "-q", "--no-report"]).stderr(Stdio::piped()).spawn().unwrap();
+    let runs: Vec<_> = (0..6).map(start).collect();
+    for run in runs {
+        let output = run.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let summaries = room.files().into_iter().filter(|file| file.ends_with("/summary.json")).count();
+    assert_eq!(summaries, 6);
 }
 
 #[test]
@@ -144,13 +215,15 @@ fn a_collision_is_exit_status_1_and_says_who_and_when() {
     let room = Room::new();
     room.write("wall.toml", WALL);
     for transport in ["udp", "memory"] {
-        let said = room.columba(&["run", "wall.toml", "--transport", transport, "--no-report", "--quiet"]).with(1);
+        let said = room
+            .columba(&["run", "wall.toml", "--transport", transport, "--no-report", "--quiet", "-o", transport])
+            .with(1);
         assert!(said.out.is_empty(), "{said:?}");
         assert!(
             said.err.starts_with("columba: vehicle 1 entered obstacle 1 at ") && said.err.ends_with(" s\n"),
             "{said:?}"
         );
-        let summary = room.summary("runs/wall");
+        let summary = room.summary(transport);
         assert_eq!((&summary["success"], &summary["completed"]), (&false.into(), &true.into()));
         assert!(said.err.contains(summary["failure"].as_str().unwrap()), "{said:?} {summary}");
         assert_eq!(summary["obstacle_collisions"], 1);
@@ -242,8 +315,8 @@ fn runs_into_one_folder_leave_one_whole_flight() {
     let room = Room::new();
     room.write("small.toml", SMALL);
     for _ in 0..3 {
-        let start =
-            |_| room.command(&["run", "small.toml", "-q", "--no-report"]).stderr(Stdio::piped()).spawn().unwrap();
+        let arguments = ["run", "small.toml", "-q", "--no-report", "--force"];
+        let start = |_| room.command(&arguments).stderr(Stdio::piped()).spawn().unwrap();
         let runs: Vec<_> = (0..6).map(start).collect();
         for run in runs {
             let output = run.wait_with_output().unwrap();

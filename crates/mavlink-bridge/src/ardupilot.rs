@@ -12,15 +12,6 @@ const PAYLOAD_MAX: usize = 26;
 const WIND: u32 = 168;
 const EKF_STATUS_REPORT: u32 = 193;
 
-/// CRC_EXTRA of a message id, none if it is not one of these.
-pub(crate) fn checksum_extra(message_id: u32) -> Option<u8> {
-    match message_id {
-        WIND => Some(1),
-        EKF_STATUS_REPORT => Some(71),
-        _ => None,
-    }
-}
-
 /// A message, ready for [`Encoder::encode_ardupilot`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArduPilotMessage {

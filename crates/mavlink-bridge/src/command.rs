@@ -1,56 +1,74 @@
-//! Commands by their number.
+//! The command protocol on the wire (<https://mavlink.io/en/services/command.html>): COMMAND_INT and COMMAND_LONG.
 //!
-//! A COMMAND_INT or COMMAND_LONG whose command is not in the dialect gives no message, yet its sender waits for an
-//! answer: what the answer needs is read from the frame here.
+//! A command is read from the frame itself: a number that is not in the dialect gives no message, yet its sender waits for
+//! an acknowledgement.
 
-use crate::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA};
+use crate::coordinates::{LatLonE7, mav_frame};
+use crate::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame};
 use crate::{Frame, Target};
 use mavlink::MessageData;
 
-/// Which message carried a command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CommandKind {
-    /// COMMAND_INT.
-    Int,
-    /// COMMAND_LONG.
-    Long,
-}
-
-/// A command whose number may not be in the dialect.
+/// A command, numbers as on the wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RawCommand {
-    /// System that it is for, 0 for all.
-    pub target_system: u8,
-    /// Component that it is for, 0 for all.
-    pub target_component: u8,
-    /// Its number (MAV_CMD).
-    pub command: u16,
+pub struct Command {
+    /// Its number (MAV_CMD), in the dialect or not.
+    pub number: u16,
     /// Params 1 to 4.
     pub params: [f32; 4],
-    /// The message that carried it.
-    pub kind: CommandKind,
+    /// Params 5 and 6: for most commands latitude and longitude.
+    pub position: CommandPosition,
+    /// Param 7: for most commands an altitude, m, from the datum of the frame.
+    pub z: f32,
+    /// MAV_FRAME of a COMMAND_INT, in the dialect or not. A COMMAND_LONG has none.
+    pub frame: Option<u8>,
 }
 
-/// The command in a frame; none if the frame is no command.
-pub fn raw_command(frame: &Frame<'_>) -> Option<RawCommand> {
-    let kind = match frame.header.message_id {
-        COMMAND_INT_DATA::ID => CommandKind::Int,
-        COMMAND_LONG_DATA::ID => CommandKind::Long,
+/// Params 5 and 6 of a command, by the message that carried it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CommandPosition {
+    /// x and y of a COMMAND_INT: latitude and longitude in 1e-7 degrees, where the command has a position.
+    Int(LatLonE7),
+    /// Params 5 and 6 of a COMMAND_LONG: latitude and longitude in degrees, where the command has a position.
+    Long([f32; 2]),
+}
+
+impl Command {
+    /// The command; none if it is not in the dialect.
+    pub fn mav_cmd(&self) -> Option<MavCmd> {
+        num_traits::FromPrimitive::from_u16(self.number)
+    }
+
+    /// The coordinate frame of a COMMAND_INT; none if it is not in the dialect, and for a COMMAND_LONG.
+    pub fn mav_frame(&self) -> Option<MavFrame> {
+        self.frame.and_then(mav_frame)
+    }
+}
+
+/// The command in a frame and its target; none if the frame is no command.
+pub(crate) fn command(frame: &Frame<'_>) -> Option<(Target, Command)> {
+    // Both messages have seven four-byte fields first, then the command and its target.
+    let four = |field: usize| -> [u8; 4] { std::array::from_fn(|byte| frame.payload_byte(4 * field + byte)) };
+    let float = |field: usize| f32::from_le_bytes(four(field));
+    let int = |field: usize| i32::from_le_bytes(four(field));
+    let (position, coordinate_frame) = match frame.header.message_id {
+        COMMAND_INT_DATA::ID => (CommandPosition::Int(LatLonE7::new(int(4), int(5))), Some(frame.payload_byte(32))),
+        COMMAND_LONG_DATA::ID => (CommandPosition::Long([float(4), float(5)]), None),
         _ => return None,
     };
-    // Both messages have seven four-byte fields first, then the command and its target.
-    let command = u16::from_le_bytes([frame.payload_byte(28), frame.payload_byte(29)]);
-    let Target { system_id, component_id } = frame.target_at(30);
-    let params = std::array::from_fn(|param| {
-        f32::from_le_bytes(std::array::from_fn(|byte| frame.payload_byte(4 * param + byte)))
-    });
-    Some(RawCommand { target_system: system_id, target_component: component_id, command, params, kind })
+    let command = Command {
+        number: u16::from_le_bytes([frame.payload_byte(28), frame.payload_byte(29)]),
+        params: std::array::from_fn(float),
+        position,
+        z: float(6),
+        frame: coordinate_frame,
+    };
+    Some((frame.target_at(30), command))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dialect::{MavCmd, MavFrame, MavResult, Message};
+    use crate::dialect::{MavResult, Message};
     use crate::telemetry::ground_heartbeat;
     use crate::{Counters, Encoder, FrameError, Version, frames};
     use proptest::prelude::*;
@@ -81,6 +99,8 @@ mod tests {
                 target_component: 1,
                 confirmation: 1,
                 param2: -2.5,
+                param5: 0.5,
+                param7: 100.0,
                 ..COMMAND_LONG_DATA::DEFAULT
             });
             let mut bytes = Vec::new();
@@ -88,14 +108,16 @@ mod tests {
             let bytes = with_command(&bytes, 60_000, COMMAND_LONG_DATA::EXTRA_CRC);
             let frame = only_frame(&bytes);
             assert_eq!(frame.message(), Err(FrameError::InvalidValue { enum_type: "MavCmd", value: 60_000 }));
-            let expected = RawCommand {
-                target_system: 7,
-                target_component: 1,
-                command: 60_000,
+            let expected = Command {
+                number: 60_000,
                 params: [0.0, -2.5, 0.0, 0.0],
-                kind: CommandKind::Long,
+                position: CommandPosition::Long([0.5, 0.0]),
+                z: 100.0,
+                frame: None,
             };
-            assert_eq!(raw_command(&frame), Some(expected));
+            let (target, read) = command(&frame).unwrap();
+            assert_eq!((target, read), (Target { system_id: 7, component_id: 1 }, expected));
+            assert_eq!((read.mav_cmd(), read.mav_frame()), (None, None));
         }
     }
 
@@ -103,15 +125,19 @@ mod tests {
     fn what_is_no_command_gives_none() {
         let mut bytes = Vec::new();
         Encoder::new(1, 1).encode(&ground_heartbeat(), &mut bytes);
-        assert_eq!(raw_command(&only_frame(&bytes)), None);
+        assert_eq!(command(&only_frame(&bytes)), None);
     }
 
     proptest! {
         #[test]
-        fn the_raw_command_is_the_command(system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(), x in any::<f32>()) {
+        fn a_command_survives_the_wire(
+            system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(), p1 in any::<f32>(), x in any::<i32>(), z in any::<f32>(),
+        ) {
             // All zeros behind the command: MAVLink 2 leaves them out.
             let int = Message::COMMAND_INT(COMMAND_INT_DATA {
-                param1: x,
+                param1: p1,
+                x,
+                z,
                 command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
                 target_system: system,
                 target_component: component,
@@ -120,17 +146,15 @@ mod tests {
             });
             let mut bytes = Vec::new();
             Encoder::new(1, 1).with_version(if v1 { Version::V1 } else { Version::V2 }).encode(&int, &mut bytes);
-            let expected = RawCommand {
-                target_system: system,
-                target_component: component,
-                command: 43002,
-                params: [0.0; 4],
-                kind: CommandKind::Int,
-            };
-            let raw = raw_command(&only_frame(&bytes)).unwrap();
+            let (target, read) = command(&only_frame(&bytes)).unwrap();
+            prop_assert_eq!(target, Target { system_id: system, component_id: component });
             // By their bits: a param may be no number.
-            prop_assert_eq!(raw.params.map(f32::to_bits), [x, 0.0, 0.0, 0.0].map(f32::to_bits));
-            prop_assert_eq!(RawCommand { params: [0.0; 4], ..raw }, expected);
+            prop_assert_eq!(read.params.map(f32::to_bits), [p1, 0.0, 0.0, 0.0].map(f32::to_bits));
+            prop_assert_eq!(read.z.to_bits(), z.to_bits());
+            prop_assert_eq!((read.number, read.frame), (43002, Some(0)));
+            prop_assert_eq!(read.position, CommandPosition::Int(LatLonE7::new(x, 0)));
+            prop_assert_eq!(read.mav_cmd(), Some(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING));
+            prop_assert_eq!(read.mav_frame(), Some(MavFrame::MAV_FRAME_GLOBAL));
         }
 
         #[test]

@@ -1,8 +1,9 @@
 //! What a link has seen, counted.
 
-use crate::Header;
+use crate::Frame;
 use serde::Serialize;
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::{Add, AddAssign};
 
 macro_rules! counters {
@@ -40,7 +41,10 @@ counters! {
     malformed_bytes,
     /// Frames that never came, by the gaps in the sequence numbers of each sender.
     lost,
-    /// Frames that came late or twice, by their sequence numbers.
+    /// Frames that came again, byte for byte: a vehicle in lockstep sends its last telemetry until it is answered, and a
+    /// network may deliver a datagram twice.
+    repeated,
+    /// Frames that came late, by their sequence numbers.
     out_of_order,
     /// Datagrams sent.
     datagrams_sent,
@@ -73,52 +77,118 @@ impl std::iter::Sum for Counters {
     }
 }
 
-/// Counts lost frames by the gaps in each sender's sequence numbers.
+/// What a frame's sequence number and bytes say of its place among the frames of its sender.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Newer than every frame before it.
+    Newer,
+    /// Older than the newest, and not heard before.
+    Late,
+    /// Heard before, byte for byte.
+    Repeated,
+}
+
+/// Counts lost, late and repeated frames by each sender's sequence numbers.
 ///
 /// A sender is a (system, component) on one network: keep one tracker for each peer whose system ids are its own.
 #[derive(Clone, Debug, Default)]
 pub struct SequenceTracker {
-    last: HashMap<(u8, u8), u8>,
+    senders: HashMap<(u8, u8), Sender>,
 }
 
 impl SequenceTracker {
-    /// Notes a frame, and adds to `counters.lost` the number of frames missing before it.
+    /// Notes a frame: adds the number of frames missing before it to `counters.lost`, or the frame itself to
+    /// `counters.repeated` or `counters.out_of_order`.
     ///
-    /// A sequence number in the half circle behind the newest one is a late or repeated frame: it adds to
-    /// `counters.out_of_order` and moves nothing. Gaps of 128 frames and more cannot be told from that.
-    pub fn observe(&mut self, header: &Header, counters: &mut Counters) {
-        let sender = (header.system_id, header.component_id);
-        let Some(last) = self.last.get_mut(&sender) else {
-            self.last.insert(sender, header.sequence);
-            return;
+    /// A sequence number in the half circle behind the newest one is that of an older frame, and moves nothing. Gaps of
+    /// 128 frames and more cannot be told from that.
+    pub fn observe(&mut self, frame: &Frame<'_>, counters: &mut Counters) -> Order {
+        let digest = digest(frame.bytes);
+        let sequence = frame.header.sequence;
+        let id = (frame.header.system_id, frame.header.component_id);
+        let Some(sender) = self.senders.get_mut(&id) else {
+            self.senders.insert(id, Sender::new(sequence, digest));
+            return Order::Newer;
         };
-        let missing = header.sequence.wrapping_sub(last.wrapping_add(1));
-        if missing < 128 {
-            counters.lost = counters.lost.saturating_add(u64::from(missing));
-            *last = header.sequence;
-        } else {
-            counters.out_of_order = counters.out_of_order.saturating_add(1);
+        let (order, missing) = sender.observe(sequence, digest);
+        match order {
+            Order::Newer => counters.lost = counters.lost.saturating_add(u64::from(missing)),
+            Order::Late => counters.out_of_order = counters.out_of_order.saturating_add(1),
+            Order::Repeated => counters.repeated = counters.repeated.saturating_add(1),
         }
+        order
     }
+}
+
+/// The frames of one sender.
+#[derive(Clone, Debug)]
+struct Sender {
+    newest: u8,
+    /// By sequence number, the digest of the frame that was heard last with it.
+    heard: Box<[Option<u64>; 256]>,
+}
+
+impl Sender {
+    fn new(sequence: u8, digest: u64) -> Self {
+        let mut heard = Box::new([None; 256]);
+        heard[usize::from(sequence)] = Some(digest);
+        Self { newest: sequence, heard }
+    }
+
+    /// The order of a frame, and how many are missing before it.
+    fn observe(&mut self, sequence: u8, digest: u64) -> (Order, u8) {
+        let missing = sequence.wrapping_sub(self.newest.wrapping_add(1));
+        let slot = usize::from(sequence);
+        if missing < 128 {
+            for gap in 1..=missing {
+                // What stands there is of the round before, and no frame of the gap was heard.
+                self.heard[usize::from(sequence.wrapping_sub(gap))] = None;
+            }
+            self.newest = sequence;
+            self.heard[slot] = Some(digest);
+            return (Order::Newer, missing);
+        }
+        let known = self.heard[slot].replace(digest);
+        (if known == Some(digest) { Order::Repeated } else { Order::Late }, 0)
+    }
+}
+
+fn digest(bytes: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    bytes.hash(&mut hasher);
+    hasher.finish()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Version;
+    use crate::{Header, Version};
     use proptest::prelude::*;
 
-    fn header(system_id: u8, sequence: u8) -> Header {
-        Header { system_id, component_id: 1, sequence, message_id: 0, version: Version::V2 }
+    fn frame(system_id: u8, sequence: u8, bytes: &[u8]) -> Frame<'_> {
+        let header = Header { system_id, component_id: 1, sequence, message_id: 0, version: Version::V2 };
+        Frame { header, bytes }
     }
 
+    /// Frames of one sender, each unlike the others.
     fn observed(sequences: impl IntoIterator<Item = u8>) -> Counters {
         let mut counters = Counters::default();
         let mut tracker = SequenceTracker::default();
-        for sequence in sequences {
-            tracker.observe(&header(1, sequence), &mut counters);
+        for (index, sequence) in sequences.into_iter().enumerate() {
+            tracker.observe(&frame(1, sequence, &index.to_be_bytes()), &mut counters);
         }
         counters
+    }
+
+    /// The order of frames that have a sequence number and a content each.
+    fn orders(frames: impl IntoIterator<Item = (u8, u8)>) -> (Vec<Order>, Counters) {
+        let mut counters = Counters::default();
+        let mut tracker = SequenceTracker::default();
+        let orders = frames
+            .into_iter()
+            .map(|(sequence, content)| tracker.observe(&frame(1, sequence, &[content]), &mut counters))
+            .collect();
+        (orders, counters)
     }
 
     #[test]
@@ -129,9 +199,35 @@ mod tests {
     }
 
     #[test]
-    fn late_and_repeated_frames_are_no_gap() {
+    fn late_frames_are_no_gap() {
         let counters = observed([10, 12, 11, 12, 13]);
-        assert_eq!((counters.lost, counters.out_of_order), (1, 2));
+        assert_eq!((counters.lost, counters.out_of_order, counters.repeated), (1, 2, 0));
+    }
+
+    #[test]
+    fn a_frame_that_comes_again_byte_for_byte_is_repeated_and_not_late() {
+        use Order::{Late, Newer, Repeated};
+        // The whole exchange again, as a vehicle in lockstep sends it; then the next frames.
+        let (found, counters) = orders([(10, 0), (11, 1), (10, 0), (11, 1), (11, 1), (12, 2)]);
+        assert_eq!(found, [Newer, Newer, Repeated, Repeated, Repeated, Newer]);
+        assert_eq!((counters.lost, counters.out_of_order, counters.repeated), (0, 0, 3));
+        // A late frame is late the first time it comes, and repeated the second time.
+        let (found, counters) = orders([(10, 0), (12, 2), (11, 1), (11, 1)]);
+        assert_eq!(found, [Newer, Newer, Late, Repeated]);
+        assert_eq!((counters.lost, counters.out_of_order, counters.repeated), (1, 1, 1));
+    }
+
+    #[test]
+    fn the_same_bytes_a_whole_round_later_are_another_frame() {
+        // A sender of nothing but heartbeats has the same frame again every 256 frames.
+        let (found, counters) = orders((0..=255).chain(0..=255).map(|sequence| (sequence, 0)));
+        assert!(found.iter().all(|order| *order == Order::Newer));
+        assert_eq!(counters, Counters::default());
+        // A frame of a gap that comes late was not heard before, whatever had its number in the round before.
+        let rest = [(0, 0), (5, 0), (3, 0)];
+        let (found, counters) = orders((0..=255).map(|sequence| (sequence, 0)).chain(rest));
+        assert_eq!(found.last(), Some(&Order::Late));
+        assert_eq!((counters.lost, counters.out_of_order, counters.repeated), (4, 1, 0));
     }
 
     #[test]
@@ -139,7 +235,7 @@ mod tests {
         let mut counters = Counters::default();
         let mut tracker = SequenceTracker::default();
         for (system_id, sequence) in [(1, 0), (2, 100), (1, 1), (2, 101)] {
-            tracker.observe(&header(system_id, sequence), &mut counters);
+            tracker.observe(&frame(system_id, sequence, &[sequence]), &mut counters);
         }
         assert_eq!(counters, Counters::default());
     }

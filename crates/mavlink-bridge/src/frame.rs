@@ -1,7 +1,7 @@
 //! One frame, MAVLink 1 or 2 (<https://mavlink.io/en/guide/serialization.html>).
 
 use crate::dialect::{DialectMessage, Message};
-use crate::{Target, ardupilot};
+use crate::{Target, dialects};
 use mavlink::MavlinkVersion;
 use mavlink::error::ParserError;
 
@@ -110,11 +110,11 @@ pub(crate) fn checksum(covered: &[u8], extra: u8) -> u16 {
     mavlink::calculate_crc(covered, extra)
 }
 
-/// CRC_EXTRA of a message id, none if neither the dialect nor [`crate::ardupilot`] has it.
+/// CRC_EXTRA of a message id, none if no dialect has it.
 pub(crate) fn checksum_extra(message_id: u32) -> Option<u8> {
     match Message::extra_crc(message_id) {
         // The crate says 0 for ids that it does not know, and one message has 0 by chance.
-        0 => Message::default_message_from_id(message_id).map(|_| 0).or_else(|| ardupilot::checksum_extra(message_id)),
+        0 => Message::default_message_from_id(message_id).map(|_| 0).or_else(|| dialects::checksum_extra(message_id)),
         extra => Some(extra),
     }
 }
@@ -179,7 +179,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Whom a command is addressed to; see [`crate::raw_command`].
+    /// The target in two bytes of the payload.
     pub(crate) fn target_at(&self, offset: usize) -> Target {
         Target { system_id: self.payload_byte(offset), component_id: self.payload_byte(offset + 1) }
     }

@@ -27,13 +27,18 @@
 
 pub mod ardupilot;
 pub mod command;
+pub mod coordinates;
 pub mod counters;
 pub mod datagram;
 pub mod dialect;
+mod dialects;
 pub mod encoder;
 pub mod fleet;
 pub mod frame;
 pub mod impairment;
+pub mod incoming;
+pub mod kind;
+pub mod link;
 pub mod parameter;
 pub mod plan;
 pub mod setpoint;
@@ -42,16 +47,18 @@ pub mod tlog;
 pub mod udp;
 
 pub use ardupilot::{ArduPilotMessage, ekf_status_report, wind};
-pub use command::{CommandKind, RawCommand, raw_command};
-pub use counters::{Counters, SequenceTracker};
+pub use command::{Command, CommandPosition};
+pub use coordinates::{AltitudeDatum, LatLonE7, mav_frame};
+pub use counters::{Counters, Order, SequenceTracker};
 pub use datagram::{Frames, frames, messages};
 pub use dialect::{Message, Target};
 pub use encoder::Encoder;
 pub use fleet::{Craft, Fleet, Identity, News, Position};
 pub use frame::{Frame, FrameError, Header, Version};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
-pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_request, parameter_value};
-pub use plan::{ItemKind, PlanItem, PlanItemMessage, PlanMessage, plan_message};
+pub use incoming::{Incoming, Request, incoming};
+pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_value};
+pub use plan::{ItemKind, PlanItem, PlanItemMessage, PlanMessage};
 pub use setpoint::{
     PartialSetpoint, SetpointRefusal, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
 };

@@ -35,7 +35,7 @@ pub enum ParameterRequest {
 }
 
 /// The parameter request in a frame and whom it is for; none if the frame is something else.
-pub fn parameter_request(frame: &Frame<'_>) -> Option<(Target, ParameterRequest)> {
+pub(crate) fn parameter_request(frame: &Frame<'_>) -> Option<(Target, ParameterRequest)> {
     let four = |start: usize| std::array::from_fn(|index| frame.payload_byte(start + index));
     match frame.header.message_id {
         PARAM_REQUEST_LIST_DATA::ID => Some((frame.target_at(0), ParameterRequest::List)),

@@ -6,6 +6,7 @@
 // Clients still speak what the dialect calls superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
+use crate::coordinates::{AltitudeDatum, LatLonE7};
 use crate::dialect::{
     MISSION_ACK_DATA, MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_ITEM_DATA, MISSION_ITEM_INT_DATA,
     MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MISSION_REQUEST_LIST_DATA, MISSION_SET_CURRENT_DATA,
@@ -53,14 +54,45 @@ pub enum PlanMessage {
     Count(u16),
     /// MISSION_WRITE_PARTIAL_LIST: the first and the last index to come.
     WritePartial(i16, i16),
-    /// MISSION_ITEM_INT or MISSION_ITEM: an index, its item, and the `current` field.
-    Item(u16, PlanItem, u8),
+    /// MISSION_ITEM_INT or MISSION_ITEM.
+    Item {
+        /// Its index.
+        seq: u16,
+        /// What it says.
+        item: PlanItem,
+        /// 1 for the item that is flown at present; 2 to fly there now, 3 to change altitude now, outside any mission.
+        current: u8,
+        /// Which of the two messages.
+        kind: ItemKind,
+    },
     /// MISSION_CLEAR_ALL.
     ClearAll,
     /// MISSION_SET_CURRENT.
     SetCurrent(u16),
     /// MISSION_ACK, with its MAV_MISSION_RESULT.
     Ack(u8),
+}
+
+impl PlanItem {
+    /// Where it is.
+    pub fn position(&self) -> LatLonE7 {
+        LatLonE7::new(self.latitude_e7, self.longitude_e7)
+    }
+
+    /// What its altitude is measured from; none if its frame is not a global one.
+    pub fn altitude_datum(&self) -> Option<AltitudeDatum> {
+        AltitudeDatum::of_frame(self.frame)
+    }
+}
+
+impl PlanMessage {
+    /// Which pair of messages its sender uses for items, as far as this message shows.
+    pub fn item_kind(&self) -> Option<ItemKind> {
+        match *self {
+            Self::Request(_, kind) | Self::Item { kind, .. } => Some(kind),
+            _ => None,
+        }
+    }
 }
 
 /// An item as it is sent.
@@ -81,7 +113,7 @@ pub struct PlanItemMessage<'a> {
 }
 
 /// The message about a plan in a frame, whom it is for, and the MAV_MISSION_TYPE; none if the frame is something else.
-pub fn plan_message(frame: &Frame<'_>) -> Option<(Target, u8, PlanMessage)> {
+pub(crate) fn plan_message(frame: &Frame<'_>) -> Option<(Target, u8, PlanMessage)> {
     let two = |start: usize| [frame.payload_byte(start), frame.payload_byte(start + 1)];
     let number = |start: usize| u16::from_le_bytes(two(start));
     let (target_at, type_at, message) = match frame.header.message_id {
@@ -123,7 +155,7 @@ fn item(frame: &Frame<'_>, kind: ItemKind) -> PlanMessage {
         frame: frame.payload_byte(34),
         autocontinue: frame.payload_byte(36),
     };
-    PlanMessage::Item(two(28), item, frame.payload_byte(35))
+    PlanMessage::Item { seq: two(28), item, current: frame.payload_byte(35), kind }
 }
 
 impl Encoder {
@@ -178,9 +210,11 @@ mod tests {
                 let message = PlanItemMessage { mission_type, seq, item: &item, is_current: current, kind, to };
                 Encoder::new(255, 190).with_version(version).encode_plan_item(&message, &mut bytes);
                 let frame = frames(&bytes, &mut Counters::default()).next().unwrap();
-                let Some((target, read_type, PlanMessage::Item(read_seq, read, read_current))) = plan_message(&frame) else {
+                let (target, read_type, message) = plan_message(&frame).unwrap();
+                let PlanMessage::Item { seq: read_seq, item: read, current: read_current, kind: read_kind } = message else {
                     panic!()
                 };
+                prop_assert_eq!(read_kind, kind);
                 prop_assert_eq!(read_type, if v1 { 0 } else { mission_type });
                 prop_assert_eq!((target, read_seq, read_current == 1), (to, seq, current));
                 // A float of degrees is good for about a metre.
@@ -202,7 +236,7 @@ mod tests {
         let mut bytes = Vec::new();
         Encoder::new(255, 190).encode(&Message::MISSION_ITEM(data), &mut bytes);
         let frame = frames(&bytes, &mut Counters::default()).next().unwrap();
-        let Some((_, _, PlanMessage::Item(_, item, _))) = plan_message(&frame) else { panic!() };
-        assert_eq!((item.latitude_e7, item.longitude_e7), (i32::MAX, i32::MAX));
+        let Some((_, _, PlanMessage::Item { item, .. })) = plan_message(&frame) else { panic!() };
+        assert!(!item.position().is_latitude_valid() && !item.position().is_longitude_valid());
     }
 }

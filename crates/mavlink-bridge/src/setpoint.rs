@@ -35,6 +35,9 @@ pub enum SetpointRefusal {
     /// A field that is asked for is not a finite number.
     #[error("a field is not a finite number")]
     NotFinite,
+    /// The altitude of the vehicle's local origin is not known, and so neither is what an altitude means to it.
+    #[error("the altitude of the vehicle's local origin is not known")]
+    OriginUnknown,
 }
 
 /// SET_POSITION_TARGET_LOCAL_NED with velocity and altitude, for PX4 multicopters in OFFBOARD and for lockstep, where
@@ -154,20 +157,20 @@ fn local_ned_data(time_boot_ms: u32, target: Target, setpoint: &Setpoint) -> SET
     }
 }
 
-fn finite_f32(value: f64) -> Result<f32, SetpointRefusal> {
+pub(crate) fn finite_f32(value: f64) -> Result<f32, SetpointRefusal> {
     let value = value as f32;
     if value.is_finite() { Ok(value) } else { Err(SetpointRefusal::NotFinite) }
 }
 
 /// Degrees in [0, 360).
-fn course_deg(course_rad: f64) -> Result<f32, SetpointRefusal> {
+pub(crate) fn course_deg(course_rad: f64) -> Result<f32, SetpointRefusal> {
     let turn = course_rad / std::f64::consts::TAU;
     let degrees = finite_f32((turn - turn.floor()) * 360.0)?;
     Ok(if degrees >= 360.0 { 0.0 } else { degrees })
 }
 
 /// ArduPlane denies 0 and -1, and dies of what rounds to 0 cm.
-fn flyable_altitude_m(altitude_m: f32) -> f32 {
+pub(crate) fn flyable_altitude_m(altitude_m: f32) -> f32 {
     const LEAST_M: f32 = 0.02;
     if altitude_m.abs() < LEAST_M {
         LEAST_M

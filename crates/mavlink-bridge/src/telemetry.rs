@@ -6,6 +6,7 @@
 // Clients still ask for what the dialect calls superseded.
 #![allow(deprecated)]
 
+use crate::coordinates::LatLonE7;
 use crate::dialect::{
     ATTITUDE_DATA, AUTOPILOT_VERSION_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA, GPS_GLOBAL_ORIGIN_DATA,
     GPS_RAW_INT_DATA, GpsFixType, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavAutopilot, MavLandedState, MavModeFlag,
@@ -58,12 +59,13 @@ pub fn global_position_int(
     home_altitude_m: f64,
 ) -> Message {
     let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
+    let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);
     let (north_mps, east_mps) = state.velocity_mps();
     // A float to integer cast takes the bound when it overflows and zero for NaN.
     Message::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
         time_boot_ms: boot_ms(time_boot),
-        lat: (place.latitude_deg * 1e7).round() as i32,
-        lon: (place.longitude_deg * 1e7).round() as i32,
+        lat: latitude_e7,
+        lon: longitude_e7,
         alt: (place.altitude_amsl_m * 1e3).round() as i32,
         relative_alt: ((state.altitude_m - home_altitude_m) * 1e3).round() as i32,
         vx: (north_mps * 1e2).round() as i16,
@@ -145,9 +147,10 @@ pub fn ground_heartbeat() -> Message {
 
 /// GPS_GLOBAL_ORIGIN (<https://mavlink.io/en/messages/common.html#GPS_GLOBAL_ORIGIN>).
 pub fn gps_global_origin(time_boot: Duration, origin: &Geodetic) -> Message {
+    let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(origin);
     Message::GPS_GLOBAL_ORIGIN(GPS_GLOBAL_ORIGIN_DATA {
-        latitude: (origin.latitude_deg * 1e7).round() as i32,
-        longitude: (origin.longitude_deg * 1e7).round() as i32,
+        latitude: latitude_e7,
+        longitude: longitude_e7,
         altitude: (origin.altitude_amsl_m * 1e3).round() as i32,
         time_usec: u64::try_from(time_boot.as_micros()).unwrap_or(u64::MAX),
     })
@@ -158,12 +161,13 @@ pub fn gps_global_origin(time_boot: Duration, origin: &Geodetic) -> Message {
 /// known says so.
 pub fn gps_raw_int(time_boot: Duration, state: &State, frame: &LocalFrame, has_fix: bool, satellites: u8) -> Message {
     let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
+    let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);
     let altitude_mm = (place.altitude_amsl_m * 1e3).round() as i32;
     let known = |value: u16| if has_fix { value } else { u16::MAX };
     Message::GPS_RAW_INT(GPS_RAW_INT_DATA {
         time_usec: u64::try_from(time_boot.as_micros()).unwrap_or(u64::MAX),
-        lat: (place.latitude_deg * 1e7).round() as i32,
-        lon: (place.longitude_deg * 1e7).round() as i32,
+        lat: latitude_e7,
+        lon: longitude_e7,
         alt: altitude_mm,
         eph: known(100),
         epv: known(100),

@@ -5,7 +5,7 @@ use mavlink_bridge::dialect::{
     HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavAutopilot, MavCmd, MavFrame, MavModeFlag, MavResult, MavState, MavType,
     Message, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA, SYSTEM_TIME_DATA, VFR_HUD_DATA,
 };
-use mavlink_bridge::{Counters, Encoder, Frame, Version, frames, messages, raw_command};
+use mavlink_bridge::{Counters, Encoder, Frame, Incoming, Version, frames, messages};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -266,7 +266,7 @@ proptest! {
         for (frame, message) in messages(&bytes, &mut counters) {
             // One frame in 65 536 passes by chance; then its bytes must stand in the datagram.
             prop_assert!(bytes.windows(frame.bytes.len()).any(|window| window == frame.bytes));
-            let _ = (message, raw_command(&frame));
+            let _ = (message, Incoming::decode(&frame));
         }
         prop_assert!(counters.malformed_bytes <= bytes.len() as u64);
     }

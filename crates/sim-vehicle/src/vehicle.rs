@@ -18,13 +18,11 @@ use crate::mode::Mode;
 use crate::parameters::{Parameter, ParameterRefused, Parameters};
 use crate::protocol::mission::{PlanKind, Uploads};
 use crate::protocol::parameter::{Listings, Pace};
-use crate::protocol::target_system;
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
 use crate::telemetry::streams::Stream;
 use crate::world::World;
 use flight_model::{Setpoint, State};
-use mavlink_bridge::dialect::Message;
-use mavlink_bridge::{Counters, Frame, FrameError, SetpointRefusal, messages};
+use mavlink_bridge::{Counters, Incoming, SetpointRefusal, incoming};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -185,35 +183,28 @@ impl Vehicle {
     /// Takes a datagram that came from a peer at host time `now`. What cannot be read is counted and has no effect.
     pub fn handle(&mut self, now: Duration, datagram: &[u8], from: PeerId) {
         let mut wire = self.wire;
-        for (frame, message) in messages(datagram, &mut wire) {
-            self.handle_frame(now, &frame, &message, from);
+        for request in incoming(datagram, &mut wire) {
+            self.handle_incoming(now, &request, from);
         }
         self.wire = wire;
     }
 
-    /// Takes one frame, read already; for hosts that serve many vehicles on one port.
-    pub fn handle_frame(
-        &mut self,
-        now: Duration,
-        frame: &Frame<'_>,
-        message: &Result<Message, FrameError>,
-        from: PeerId,
-    ) {
+    /// Takes one frame, decoded already; for hosts that serve many vehicles on one port.
+    pub fn handle_incoming(&mut self, now: Duration, incoming: &Incoming, from: PeerId) {
         self.note_host_time(now);
-        let Some(target) = target_system(frame, message) else { return };
-        let ours = target == 0 || target == self.settings.system_id;
+        let ours = [0, self.settings.system_id].contains(&incoming.target.system_id);
         // A companion computer has our system id and a component id of its own: it is heard.
-        let from_ourselves = frame.header.system_id == self.settings.system_id
-            && frame.header.component_id == self.settings.component_id;
+        let from_ourselves = incoming.header.system_id == self.settings.system_id
+            && incoming.header.component_id == self.settings.component_id;
         if !ours || from_ourselves {
             self.counters.frames_for_others += 1;
             return;
         }
-        let (link, is_new) = self.links.hear(from, frame.header.version, self.host_now, self.time);
+        let (link, is_new) = self.links.hear(from, incoming.header.version, self.host_now, self.time);
         if is_new {
             self.announce(link);
         }
-        self.serve(link, frame, message);
+        self.serve(link, incoming);
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.

@@ -1,11 +1,11 @@
 //! `columba compare`: contenders over scenarios and seeds.
 
-use super::{Failure, print_line, start_threads, stop_on_signal};
+use super::{Failure, folder_refused, print_line, start_threads, stop_on_signal};
 use crate::args::{Cli, CompareArgs};
 use crate::compare::campaign::{self, Census, Crew};
 use crate::compare::{self, JOURNAL, Journal, JournalError, Plan, results};
 use crate::config::{self, Contender};
-use crate::record::RunFolder;
+use crate::record::{RunFolder, holds_something};
 use anyhow::anyhow;
 use optimizer::{Algorithm, OptimizerSettings};
 use std::path::PathBuf;
@@ -19,8 +19,15 @@ pub fn compare(cli: &Cli, args: &CompareArgs) -> Result<(), Failure> {
     let crew = Crew { threads: rayon::current_num_threads(), quiet: cli.quiet, stop: stop_on_signal()? };
 
     let path = args.out.clone().unwrap_or_else(|| default_folder(&plan));
-    let folder = RunFolder::create(&path)
-        .map_err(|error| anyhow!("--out: {error}: must be a folder that can be made and written into"))?;
+    if !args.force && holds_something(&path) && !path.join(JOURNAL).exists() {
+        return Err(anyhow!(
+            "--out: the folder {} is not empty and holds no {JOURNAL}: must be a new or an empty folder, or that of a \
+             comparison, which is continued; --force writes into it",
+            path.display()
+        )
+        .into());
+    }
+    let folder = RunFolder::create(&path).map_err(|error| folder_refused("--out", error))?;
     let (journal, mut flown) = Journal::open(&path).map_err(|error| match error {
         JournalError::Taken(_) => anyhow!("{error}: must be another folder (--out), or wait until it has ended"),
         error => error.into(),
@@ -82,6 +89,9 @@ fn announce(plan: &Plan, census: Census, folder: &RunFolder) {
         print_line(format_args!("  {flown} of {asked} are in {} already", journal.display()));
     }
     if others > 0 {
-        print_line(format_args!("  {others} flights of other comparisons stay in {}", journal.display()));
+        print_line(format_args!(
+            "  {others} flights of other comparisons stay in {}; tables and report are written anew",
+            journal.display()
+        ));
     }
 }

@@ -27,7 +27,7 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
         let mut ground =
             GroundStation::bind(&scenario, address).map_err(|error| ground_port_refused(&scenario, error))?;
-        let folder = open_folder(&scenario)?;
+        let folder = open_folder(&scenario, &args.folder)?;
         ground.expect(scenario.starts.len(), addresses.as_deref());
         let ground_truth = GroundTruth::telemetry();
         let (flight, log) = if args.lockstep {
@@ -38,7 +38,7 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
         Ok((folder, flight, log))
     })?;
     drop(progress);
-    conclude(cli, &scenario, &folder, &flight, log, !args.no_report)
+    conclude(cli, &scenario, &folder, &flight, log, !args.folder.no_report)
 }
 
 /// The vehicles' addresses, where the scenario names their first port.

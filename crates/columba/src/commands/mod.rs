@@ -15,12 +15,12 @@ pub use run::run;
 pub use suites::suites;
 pub use vehicles::vehicles;
 
-use crate::args::Cli;
+use crate::args::{Cli, FolderArgs};
 use crate::config::Scenario;
 use crate::counted::counted;
 use crate::flight::Flight;
 use crate::flying::{self, Log, Stop};
-use crate::record::{self, RunFolder};
+use crate::record::{self, Occupied, RecordError, RunFolder};
 use crate::report;
 use anyhow::{Context, anyhow};
 use std::fmt::Display;
@@ -86,11 +86,36 @@ fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Resul
 }
 
 /// The run's folder, tried before the flight. Made last of all that can be refused, so that nothing is left of a run that is.
-fn open_folder(scenario: &Scenario) -> anyhow::Result<RunFolder> {
-    RunFolder::create(&scenario.folder).map_err(|error| {
-        let whence = scenario.provenance.of("output.folder");
-        anyhow!("{whence}: {error}: must be a folder that can be made and written into")
-    })
+fn open_folder(scenario: &Scenario, args: &FolderArgs) -> anyhow::Result<RunFolder> {
+    let occupied = occupied(scenario.provenance.is_of_command_line("output.folder"), args.force);
+    RunFolder::open(&scenario.folder, occupied)
+        .map_err(|error| folder_refused(&scenario.provenance.of("output.folder"), error))
+}
+
+/// What a command does with a folder that is not empty: nothing is overwritten without `--force`.
+fn occupied(named: bool, force: bool) -> Occupied {
+    match (named, force) {
+        (_, true) => Occupied::Overwrite,
+        (true, false) => Occupied::Refuse,
+        (false, false) => Occupied::Number,
+    }
+}
+
+/// A folder that cannot be used, and what would be right.
+fn folder_refused(whence: &str, error: RecordError) -> anyhow::Error {
+    match error {
+        RecordError::Occupied { .. } => {
+            anyhow!("{whence}: {error}: must be a new or an empty folder; --force replaces the files of an earlier run")
+        }
+        error => anyhow!("{whence}: {error}: must be a folder that can be made and written into"),
+    }
+}
+
+/// To standard output: that a folder was not overwritten.
+fn print_kept(folder: &RunFolder) {
+    if let Some(kept) = folder.kept() {
+        print_line(format_args!("  {} is not empty and was kept: --force writes into it", kept.display()));
+    }
 }
 
 /// The controller's port that cannot be bound.
@@ -221,4 +246,5 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
     let what = if with_report { "report" } else { "record" };
     let file = if with_report { "report.html" } else { "summary.json" };
     print_line(format_args!("  {what}: {}", folder.path().join(file).display()));
+    print_kept(folder);
 }

@@ -27,22 +27,23 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
     let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
     let (folder, flight, log) = match args.transport {
         Transport::Memory => {
-            let folder = open_folder(&scenario)?;
+            let folder = open_folder(&scenario, &args.folder)?;
             (folder, flying::fly_in_memory(&scenario, &progress, &stop)?, None)
         }
-        Transport::Udp => over_udp(&scenario, args.speed, &progress, stop)?,
+        Transport::Udp => over_udp(&scenario, args, &progress, stop)?,
     };
     drop(progress);
-    conclude(cli, &scenario, &folder, &flight, log, !args.no_report)
+    conclude(cli, &scenario, &folder, &flight, log, !args.folder.no_report)
 }
 
 /// The vehicles on a thread of their own, the controller on this one.
 fn over_udp(
     scenario: &Scenario,
-    speed: Option<f64>,
+    args: &RunArgs,
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Option<Log>)> {
+    let speed = args.speed;
     allow_ports(scenario)?;
     block_on(async {
         let mut ground =
@@ -67,7 +68,7 @@ fn over_udp(
         let flown = match addresses.await {
             Ok(addresses) => {
                 ground.expect(addresses.len(), Some(&addresses));
-                Ok(fly(scenario, ground, ground_truth, speed, progress, stop).await)
+                Ok(fly(scenario, args, ground, ground_truth, progress, stop).await)
             }
             Err(never_sent) => Err(never_sent),
         };
@@ -84,14 +85,14 @@ fn over_udp(
 
 async fn fly(
     scenario: &Scenario,
+    args: &RunArgs,
     ground: GroundStation,
     ground_truth: GroundTruth,
-    speed: Option<f64>,
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Option<Log>)> {
-    let folder = open_folder(scenario)?;
-    let (flight, log) = match speed {
+    let folder = open_folder(scenario, &args.folder)?;
+    let (flight, log) = match args.speed {
         None => flying::fly(scenario, Lockstep::new(scenario, ground, ground_truth), progress, stop).await,
         Some(speed) => {
             flying::fly(scenario, RealTime::new(scenario, ground, ground_truth, speed), progress, stop).await

@@ -1,11 +1,14 @@
 //! `columba suites`: optimisers on test problems.
 
-use super::{Failure, print_line, start_threads};
+use super::{Failure, folder_refused, occupied, print_kept, print_line, start_threads};
 use crate::args::{Cli, SuitesArgs};
 use crate::flying;
 use crate::record::RunFolder;
 use crate::suites::{self, Plan};
-use anyhow::anyhow;
+use std::path::Path;
+
+/// The folder where `--out` names none.
+const FOLDER: &str = "runs/suites";
 
 /// Solves everything, writes the folder and prints the table.
 pub fn suites(cli: &Cli, args: &SuitesArgs) -> Result<(), Failure> {
@@ -18,8 +21,9 @@ pub fn suites(cli: &Cli, args: &SuitesArgs) -> Result<(), Failure> {
         dimensions: args.dimensions,
     };
     start_threads(cli)?;
-    let folder = RunFolder::create(&args.out)
-        .map_err(|error| anyhow!("--out: {error}: must be a folder that can be made and written into"))?;
+    let path = args.out.as_deref().unwrap_or(Path::new(FOLDER));
+    let folder = RunFolder::open(path, occupied(args.out.is_some(), args.force))
+        .map_err(|error| folder_refused("--out", error))?;
     let bar = flying::progress_over(plan.solves(), "solves", cli.quiet);
     let solves = plan.run(|| bar.inc(1))?;
     bar.finish_and_clear();
@@ -32,6 +36,7 @@ pub fn suites(cli: &Cli, args: &SuitesArgs) -> Result<(), Failure> {
     folder.write("table.md", table.as_bytes())?;
     if !cli.quiet {
         print_line(format_args!("{table}\nwritten: {}", folder.path().display()));
+        print_kept(&folder);
     }
     Ok(())
 }

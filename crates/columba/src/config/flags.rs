@@ -111,7 +111,7 @@ const FLAGS: &[Flag] = &[
         key: "output.folder",
         kind: Kind::Text,
         value: "FOLDER",
-        help: "Folder of the run, created if missing; default: runs/ and the scenario's name",
+        help: "Folder of the run, new or empty; default: runs/ and the scenario's name, with a number if that is not empty",
         commands: &[RUN, FLY],
         ..FLAG
     },

@@ -114,6 +114,11 @@ impl Provenance {
         self.find(key).and_then(|(layer, _)| layer.raw())
     }
 
+    /// Whether a setting is from the command line.
+    pub fn is_of_command_line(&self, key: &str) -> bool {
+        self.find(key).is_some_and(|(layer, _)| matches!(layer.origin(), Origin::Flag { .. }))
+    }
+
     /// Where a setting came from, for one that proves wrong only later (a busy port): `--ground-port 14550`,
     /// `field.toml:40: link.ground_port = 14550`, or, where it is a default, the names of the key and of its flag.
     pub fn of(&self, key: &str) -> String {

@@ -5,7 +5,8 @@ use crate::config::Scenario;
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{
-    Counters, Encoder, Fleet, Identity, LinkError, LinkSettings, News, SequenceTracker, Target, UdpLink, messages,
+    Counters, Encoder, Fleet, Identity, LinkError, LinkSettings, News, Order, SequenceTracker, Target, UdpLink,
+    messages,
 };
 use std::collections::HashMap;
 use std::net::SocketAddr;
@@ -112,7 +113,8 @@ impl GroundStation {
         self.started.elapsed()
     }
 
-    /// Waits for a datagram, logs its frames at `at_us`, and tells what each brought. Cancel safe.
+    /// Waits for a datagram, logs its frames at `at_us`, and tells what each brought. A frame that comes again, byte for
+    /// byte, is logged once. Cancel safe.
     pub async fn recv(&mut self, at_us: u64, news: &mut Vec<News>) -> Result<(), LinkError> {
         let from = self.link.recv(&mut self.received).await?;
         let now = self.started.elapsed();
@@ -120,8 +122,9 @@ impl GroundStation {
         let mut lost = Counters::default();
         let sequence = self.sequences.entry(from).or_default();
         for (frame, message) in messages(&self.received, &mut self.counters) {
-            self.log.frame(at_us, frame.bytes);
-            sequence.observe(&frame.header, &mut lost);
+            if sequence.observe(&frame, &mut lost) != Order::Repeated {
+                self.log.frame(at_us, frame.bytes);
+            }
             if let Ok(message) = &message {
                 news.push(self.fleet.hear(&frame.header, message, from, now));
             }
@@ -144,11 +147,10 @@ impl GroundStation {
         &self.written
     }
 
-    /// Sends a datagram again.
-    pub async fn send_again(&mut self, vehicle: usize, datagram: &[u8], at_us: u64) {
+    /// Sends a datagram again, which is in the log already.
+    pub async fn send_again(&mut self, vehicle: usize, datagram: &[u8]) {
         if let Some(address) = self.fleet.crafts().get(vehicle).and_then(|craft| craft.address) {
             self.link.send_to(datagram, address).await;
-            self.log.datagram(at_us, datagram);
         }
     }
 

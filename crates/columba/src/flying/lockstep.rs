@@ -64,7 +64,7 @@ impl Lockstep {
                 deadline = Instant::now() + PATIENCE;
             } else if !self.datagrams[vehicle].is_empty() {
                 tracing::trace!(vehicle = vehicle + 1, waits_at_ms = position.time_boot_ms, "setpoint sent again");
-                self.ground.send_again(vehicle, &self.datagrams[vehicle], at_us(time)).await;
+                self.ground.send_again(vehicle, &self.datagrams[vehicle]).await;
             }
         }
         self.now = time;

@@ -5,7 +5,7 @@ mod parquet;
 mod summary;
 mod table;
 
-pub use folder::RunFolder;
+pub use folder::{Occupied, RunFolder, holds_something};
 pub use parquet::trajectory_parquet;
 pub use summary::summary_json;
 pub use table::{Column, table_parquet};
@@ -22,6 +22,12 @@ pub enum RecordError {
         path: std::path::PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// The run folder holds something already, or another run is writing into it.
+    #[error("the folder {} is not empty", path.display())]
+    Occupied {
+        /// The folder.
+        path: std::path::PathBuf,
     },
     /// A file of the run cannot be written.
     #[error("cannot write {}: {source}", path.display())]

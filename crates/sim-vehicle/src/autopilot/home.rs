@@ -5,8 +5,8 @@ use crate::firmware::Personality;
 use crate::protocol::command::{ALTITUDE_MAX_M, Command, Refusal, check_finite};
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
-use flight_model::Geodetic;
 use mavlink_bridge::dialect::MavFrame;
+use mavlink_bridge::{CommandPosition, LatLonE7};
 
 impl Vehicle {
     /// DO_SET_HOME. Param 1: 1 for where it is, or 0 for the place that comes with it; one of no latitude and longitude
@@ -14,11 +14,13 @@ impl Vehicle {
     pub(crate) fn do_set_home(&mut self, command: &Command) -> Result<(), Refusal> {
         let [p1, ..] = command.params;
         check_finite("Home", &[p1])?;
-        if p1 != 1.0 {
-            check_finite("Home", &command.place)?;
+        if let CommandPosition::Long(degrees) = command.position
+            && p1 != 1.0
+        {
+            check_finite("Home", &degrees)?;
         }
-        let (latitude_e7, longitude_e7) = command.position_e7();
-        if p1 == 1.0 || (latitude_e7, longitude_e7) == (0, 0) {
+        let position = command.lat_lon();
+        if p1 == 1.0 || position.is_zero() {
             self.set_home_here();
             self.home_is_set = true;
             return Ok(());
@@ -26,7 +28,7 @@ impl Vehicle {
         if p1 != 0.0 {
             return Err(Refusal::failed("Home: param 1 is neither 0 nor 1"));
         }
-        if latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
+        if !position.is_valid() {
             return Err(Refusal::failed("Home: no such place"));
         }
         if command.z.is_nan() || command.z.abs() >= ALTITUDE_MAX_M {
@@ -34,11 +36,11 @@ impl Vehicle {
         }
         // To a PX4 it is above sea level whatever the frame.
         let frame = match self.settings.personality {
-            Personality::Px4 => MavFrame::MAV_FRAME_GLOBAL,
+            Personality::Px4 => MavFrame::MAV_FRAME_GLOBAL as u8,
             Personality::ArduPlane | Personality::Generic => command.frame,
         };
         let altitude_m = self.altitude_m("Home", command.z, frame)?;
-        self.set_home_at(self.to_local(latitude_e7, longitude_e7), altitude_m);
+        self.set_home_at(self.to_local(position), altitude_m);
         self.home_is_set = true;
         Ok(())
     }
@@ -54,14 +56,9 @@ impl Vehicle {
         self.set_home(Home { x_m, y_m, altitude_m });
     }
 
-    /// North and east of the origin, m, of a latitude and longitude in 1e-7 degrees.
-    pub(crate) fn to_local(&self, latitude_e7: i32, longitude_e7: i32) -> (f64, f64) {
-        let place = Geodetic {
-            latitude_deg: f64::from(latitude_e7) * 1e-7,
-            longitude_deg: f64::from(longitude_e7) * 1e-7,
-            altitude_amsl_m: 0.0,
-        };
-        let (x_m, y_m, _) = self.settings.frame.to_local(&place);
+    /// North and east of the origin, m, of a latitude and longitude.
+    pub(crate) fn to_local(&self, position: LatLonE7) -> (f64, f64) {
+        let (x_m, y_m, _) = self.settings.frame.to_local(&position.to_geodetic(0.0));
         (x_m, y_m)
     }
 

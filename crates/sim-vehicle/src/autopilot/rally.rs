@@ -3,8 +3,8 @@
 use crate::autopilot::flight::RallyPlace;
 use crate::parameters::Parameter;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MavCmd, MavMissionResult};
+use mavlink_bridge::{AltitudeDatum, PlanItem};
 
 /// Most rally points, as on ArduPilot's larger boards.
 pub(crate) const POINTS_MAX: u16 = 50;
@@ -23,13 +23,13 @@ pub(crate) fn check(item: &PlanItem) -> Result<(), MavMissionResult> {
     let altitudes_m = f32::from(i16::MIN)..=f32::from(i16::MAX);
     if item.command != RALLY_POINT {
         Err(MavMissionResult::MAV_MISSION_UNSUPPORTED)
-    } else if item.latitude_e7.unsigned_abs() > 900_000_000 {
+    } else if !item.position().is_latitude_valid() {
         Err(MavMissionResult::MAV_MISSION_INVALID_PARAM5_X)
-    } else if item.longitude_e7.unsigned_abs() > 1_800_000_000 {
+    } else if !item.position().is_longitude_valid() {
         Err(MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y)
     } else if !altitudes_m.contains(&item.z_m) {
         Err(MavMissionResult::MAV_MISSION_INVALID_PARAM7)
-    } else if !matches!(item.frame, 0 | 3 | 5 | 6 | 10 | 11) {
+    } else if item.altitude_datum().is_none() {
         Err(MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME)
     } else {
         Ok(())
@@ -38,10 +38,10 @@ pub(crate) fn check(item: &PlanItem) -> Result<(), MavMissionResult> {
 
 /// What ArduPilot keeps of a rally point: its place, and its altitude in whole metres above sea level, home or terrain.
 pub(crate) fn as_kept(item: &PlanItem) -> PlanItem {
-    let frame = match item.frame {
-        0 | 5 => 0,
-        3 | 6 => 3,
-        _ => 10,
+    let frame = match item.altitude_datum() {
+        Some(AltitudeDatum::MeanSeaLevel) => 0,
+        Some(AltitudeDatum::Home) => 3,
+        Some(AltitudeDatum::Terrain) | None => 10,
     };
     let PlanItem { command, latitude_e7, longitude_e7, .. } = *item;
     PlanItem { command, frame, latitude_e7, longitude_e7, z_m: item.z_m.trunc(), ..PlanItem::default() }

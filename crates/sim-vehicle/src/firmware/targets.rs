@@ -5,6 +5,7 @@
 
 use crate::vehicle::Vehicle;
 use flight_model::wrap_pi;
+use mavlink_bridge::LatLonE7;
 use mavlink_bridge::dialect::{
     MavFrame, PositionTargetTypemask as Mask, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
@@ -44,24 +45,23 @@ impl PositionTarget {
         }
     }
 
-    /// Its place and altitude as `to_local` has those that are given in 1e-7 degrees and m.
+    /// Its place and altitude as `to_local` and `altitude_m` have those of the message.
     pub fn from_global(
         data: &SET_POSITION_TARGET_GLOBAL_INT_DATA,
-        to_local: impl Fn(i32, i32) -> (f64, f64),
-        altitude_m: impl Fn(f32, MavFrame) -> Option<f64>,
+        to_local: impl Fn(LatLonE7) -> (f64, f64),
+        altitude_m: impl Fn(f32, u8) -> Option<f64>,
     ) -> Result<Self, TargetRefused> {
-        let (north_m, east_m) = to_local(data.lat_int, data.lon_int);
+        let position = LatLonE7::new(data.lat_int, data.lon_int);
+        let (north_m, east_m) = to_local(position);
         // A velocity needs no frame.
-        let up_m = match altitude_m(data.alt, data.coordinate_frame) {
+        let up_m = match altitude_m(data.alt, data.coordinate_frame as u8) {
             Some(up_m) => up_m,
             None if data.type_mask.contains(PLACE | Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE) => f64::NAN,
             None => return Err(format!("coordinate frame {} unsupported", data.coordinate_frame as u32)),
         };
         let [vx, vy, vz, ax, ay, az] = [data.vx, data.vy, data.vz, data.afx, data.afy, data.afz].map(f64::from);
         let target = Self::read(data.type_mask, [north_m, east_m, -up_m, vx, vy, vz, ax, ay, az]);
-        if target.place.is_some()
-            && (data.lat_int.unsigned_abs() > 900_000_000 || data.lon_int.unsigned_abs() > 1_800_000_000)
-        {
+        if target.place.is_some() && !position.is_valid() {
             return Err("no such place".into());
         }
         Ok(target)

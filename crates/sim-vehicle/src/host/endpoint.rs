@@ -5,10 +5,9 @@ use crate::host::clock::{Advance, Clock, HostError, Observer, RealTime};
 use crate::host::system_ids::SystemIds;
 use crate::parameters::file;
 use crate::protocol::mission as plans;
-use crate::protocol::target_system;
 use crate::vehicle::Vehicle;
 use flight_model::State;
-use mavlink_bridge::{Counters, LinkError, UdpLink, messages};
+use mavlink_bridge::{Counters, LinkError, UdpLink, incoming};
 use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -117,8 +116,8 @@ impl Endpoint {
     /// Hands each frame to the vehicles that it is for.
     fn receive(&mut self, shell: &Shell, datagram: &[u8], from: SocketAddr) {
         let mut counters = self.frames;
-        for (frame, message) in messages(datagram, &mut counters) {
-            let Some(target) = target_system(&frame, &message) else { continue };
+        for request in incoming(datagram, &mut counters) {
+            let target = request.target.system_id;
             for index in 0..self.vehicles.len() {
                 // A lone vehicle counts what is not for it. System ids may change in flight.
                 let ours = target == 0 || target == self.vehicles[index].settings().system_id;
@@ -126,7 +125,7 @@ impl Endpoint {
                     continue;
                 }
                 self.fly(index, shell);
-                self.vehicles[index].handle_frame(shell.started.elapsed(), &frame, &message, from);
+                self.vehicles[index].handle_incoming(shell.started.elapsed(), &request, from);
                 self.fly(index, shell);
                 self.keep_parameters(index);
                 self.keep_plans(index);

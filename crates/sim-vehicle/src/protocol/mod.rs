@@ -13,79 +13,59 @@ use crate::protocol::command::{Command, Refusal};
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{
-    DialectMessage, MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
+    MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    TIMESYNC_DATA,
 };
-use mavlink_bridge::{
-    Frame, FrameError, Target, parameter_request, plan_message, raw_command, setpoint_from_local_ned,
-};
+use mavlink_bridge::{Incoming, ItemKind, Request, Target, setpoint_from_local_ned};
 use std::time::Duration;
 
-/// The system that a frame is for, 0 for all; none if the frame tells nothing to anyone.
-pub(crate) fn target_system(frame: &Frame<'_>, message: &Result<Message, FrameError>) -> Option<u8> {
-    match message {
-        Ok(message) => Some(message.target_system_id().unwrap_or(0)),
-        Err(_) => {
-            let command = raw_command(frame).map(|command| command.target_system);
-            let parameter = || parameter_request(frame).map(|(target, _)| target.system_id);
-            let plan = || plan_message(frame).map(|(target, ..)| target.system_id);
-            command.or_else(parameter).or_else(plan)
+impl Vehicle {
+    /// Does what is asked over a link, of this vehicle.
+    pub(crate) fn serve(&mut self, link: usize, incoming: &Incoming) {
+        let sender = Target { system_id: incoming.header.system_id, component_id: incoming.header.component_id };
+        match &incoming.request {
+            Request::Parameter(request) => self.serve_parameter(link, sender, request),
+            Request::Plan { mission_type, message } => {
+                if let Some(kind) = message.item_kind() {
+                    self.links.note_old_items(link, kind == ItemKind::Float);
+                }
+                self.serve_plan(link, sender, *mission_type, *message);
+            }
+            Request::Command(command) => {
+                let outcome = match Command::read(command) {
+                    Some(known) => self.execute(&known, link),
+                    None => self.execute_by_number(command),
+                };
+                self.acknowledge(link, command.number, sender, outcome);
+            }
+            Request::Message(message) => self.serve_message(link, sender, message),
         }
     }
-}
 
-impl Vehicle {
-    /// Does what a message asks that came over a link and is for this vehicle.
-    pub(crate) fn serve(&mut self, link: usize, frame: &Frame<'_>, message: &Result<Message, FrameError>) {
-        let sender = Target { system_id: frame.header.system_id, component_id: frame.header.component_id };
-        if let Some((_, request)) = parameter_request(frame) {
-            self.serve_parameter(link, sender, &request);
-            return;
-        }
-        if let Some((_, mission_type, message)) = plan_message(frame) {
-            const MISSION_ITEM: u32 = 39;
-            const MISSION_REQUEST: u32 = 40;
-            const MISSION_REQUEST_INT: u32 = 51;
-            const MISSION_ITEM_INT: u32 = 73;
-            match frame.header.message_id {
-                MISSION_ITEM | MISSION_REQUEST => self.links.note_old_items(link, true),
-                MISSION_ITEM_INT | MISSION_REQUEST_INT => self.links.note_old_items(link, false),
-                _ => {}
-            }
-            self.serve_plan(link, sender, mission_type, message);
-            return;
-        }
+    fn serve_message(&mut self, link: usize, sender: Target, message: &Message) {
         match message {
-            Ok(Message::HEARTBEAT(data)) => {
+            Message::HEARTBEAT(data) => {
                 self.hear_heartbeat(sender.system_id);
                 self.px4_hear_heartbeat(data.mavtype);
             }
-            Ok(Message::COMMAND_LONG(data)) => self.obey(link, data.command as u32 as u16, sender, &data.into()),
-            Ok(Message::COMMAND_INT(data)) => self.obey(link, data.command as u32 as u16, sender, &data.into()),
-            Ok(Message::SET_MODE(data)) => self.legacy_set_mode(link, sender, data),
-            Ok(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => self.take_setpoint(data),
-            Ok(Message::SET_POSITION_TARGET_GLOBAL_INT(data)) => self.take_global_target(data),
-            Ok(Message::SET_ATTITUDE_TARGET(_)) if self.settings.personality == Personality::Px4 => {
+            Message::SET_MODE(data) => self.legacy_set_mode(link, sender, data),
+            Message::SET_POSITION_TARGET_LOCAL_NED(data) => self.take_setpoint(data),
+            Message::SET_POSITION_TARGET_GLOBAL_INT(data) => self.take_global_target(data),
+            Message::SET_ATTITUDE_TARGET(_) if self.settings.personality == Personality::Px4 => {
                 self.px4_take_attitude();
             }
-            Ok(Message::RC_CHANNELS_OVERRIDE(data)) => self.override_channels(sender.system_id, data),
-            Ok(Message::MANUAL_CONTROL(data)) => self.control_manually(sender.system_id, data),
-            Ok(Message::TIMESYNC(data)) => self.answer_timesync(link, sender, data),
-            Ok(Message::PING(data)) => self.answer_ping(link, sender, data),
-            Ok(Message::REQUEST_DATA_STREAM(data)) => self.set_data_stream(link, data),
-            Ok(Message::FILE_TRANSFER_PROTOCOL(data)) => self.refuse_file_transfer(link, sender, data),
-            Ok(Message::LOG_REQUEST_LIST(_)) => self.answer_log_request(link),
+            Message::RC_CHANNELS_OVERRIDE(data) => self.override_channels(sender.system_id, data),
+            Message::MANUAL_CONTROL(data) => self.control_manually(sender.system_id, data),
+            Message::TIMESYNC(data) => self.answer_timesync(link, sender, data),
+            Message::PING(data) => self.answer_ping(link, sender, data),
+            Message::REQUEST_DATA_STREAM(data) => self.set_data_stream(link, data),
+            Message::FILE_TRANSFER_PROTOCOL(data) => self.refuse_file_transfer(link, sender, data),
+            Message::LOG_REQUEST_LIST(_) => self.answer_log_request(link),
             // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.
-            Ok(Message::SET_GPS_GLOBAL_ORIGIN(_)) if self.settings.personality != Personality::ArduPlane => {
+            Message::SET_GPS_GLOBAL_ORIGIN(_) if self.settings.personality != Personality::ArduPlane => {
                 self.send_stream(link, Stream::GpsGlobalOrigin);
             }
-            Ok(_) => {}
-            Err(_) => {
-                if let Some(raw) = raw_command(frame) {
-                    let outcome = self.execute_by_number(&raw);
-                    self.acknowledge(link, raw.command, sender, outcome);
-                }
-            }
+            _ => {}
         }
     }
 
@@ -129,11 +109,6 @@ impl Vehicle {
         }
     }
 
-    fn obey(&mut self, link: usize, number: u16, sender: Target, command: &Command) {
-        let outcome = self.execute(command, link);
-        self.acknowledge(link, number, sender, outcome);
-    }
-
     fn acknowledge(&mut self, link: usize, number: u16, sender: Target, outcome: Result<(), Refusal>) {
         let result = self.conclude(outcome);
         self.links.acknowledge(link, number, result, sender);
@@ -160,11 +135,11 @@ impl Vehicle {
     fn legacy_set_mode(&mut self, link: usize, sender: Target, data: &SET_MODE_DATA) {
         let custom = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
         let command = Command::set_mode(self.settings.personality, custom, data.custom_mode);
+        let outcome = self.execute(&command, link);
         if self.settings.personality == Personality::ArduPlane {
-            let outcome = self.execute(&command, link);
             self.conclude(outcome);
         } else {
-            self.obey(link, command.command as u32 as u16, sender, &command);
+            self.acknowledge(link, command.command as u32 as u16, sender, outcome);
         }
     }
 

@@ -20,7 +20,7 @@ use mavlink_bridge::dialect::{
     FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavLandedState, MavProtocolCapability, MavState,
     MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
 };
-use mavlink_bridge::{ArduPilotMessage, local_position_ned, telemetry};
+use mavlink_bridge::{ArduPilotMessage, LatLonE7, local_position_ned, telemetry};
 use std::time::Duration;
 
 /// Everything that the messages are made of, at one moment.
@@ -122,9 +122,10 @@ impl Instruments<'_> {
     fn home_position(&self) -> Message {
         let home = self.flight.home();
         let place = self.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
+        let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);
         Message::HOME_POSITION(HOME_POSITION_DATA {
-            latitude: (place.latitude_deg * 1e7).round() as i32,
-            longitude: (place.longitude_deg * 1e7).round() as i32,
+            latitude: latitude_e7,
+            longitude: longitude_e7,
             altitude: (place.altitude_amsl_m * 1e3).round() as i32,
             x: home.x_m as f32,
             y: home.y_m as f32,

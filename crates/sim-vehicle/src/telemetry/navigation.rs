@@ -2,11 +2,11 @@
 
 use super::Instruments;
 use flight_model::State;
-use mavlink_bridge::boot_ms;
 use mavlink_bridge::dialect::{
     ALTITUDE_DATA, ATTITUDE_QUATERNION_DATA, MavEstimatorType, MavFrame, Message, NAV_CONTROLLER_OUTPUT_DATA,
     ODOMETRY_DATA, POSITION_TARGET_GLOBAL_INT_DATA, POSITION_TARGET_LOCAL_NED_DATA, PositionTargetTypemask as Mask,
 };
+use mavlink_bridge::{LatLonE7, boot_ms};
 
 impl Instruments<'_> {
     /// Roll, pitch and yaw of ATTITUDE, rad.
@@ -124,10 +124,11 @@ impl Instruments<'_> {
         let (aim, state) = (self.flight.aim(), self.flight.estimate());
         let (x_m, y_m) = aim.place.unwrap_or((state.x_m, state.y_m));
         let place = self.frame.to_geodetic(x_m, y_m, aim.altitude_m);
+        let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);
         Message::POSITION_TARGET_GLOBAL_INT(POSITION_TARGET_GLOBAL_INT_DATA {
             time_boot_ms: boot_ms(self.time),
-            lat_int: (place.latitude_deg * 1e7).round() as i32,
-            lon_int: (place.longitude_deg * 1e7).round() as i32,
+            lat_int: latitude_e7,
+            lon_int: longitude_e7,
             alt: place.altitude_amsl_m as f32,
             coordinate_frame: MavFrame::MAV_FRAME_GLOBAL,
             type_mask: Mask::from_bits_retain(PLACE_ALONE),

@@ -16,7 +16,7 @@ const CORNERS_MAX: f32 = 255.0;
 
 /// Whether an item can be part of a fence; the result code that says why not. Param 1 is a number of corners or a radius.
 pub(crate) fn check(item: &PlanItem) -> Result<(), MavMissionResult> {
-    if !matches!(item.frame, 0 | 3 | 5 | 6 | 10 | 11) {
+    if item.altitude_datum().is_none() {
         return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME);
     }
     let p1 = item.params[0];
@@ -119,14 +119,10 @@ fn corners(items: &[PlanItem], frame: &LocalFrame) -> Result<Vec<Place>, String>
 }
 
 fn place(item: &PlanItem, frame: &LocalFrame) -> Result<Place, String> {
-    if item.latitude_e7.unsigned_abs() > 900_000_000 || item.longitude_e7.unsigned_abs() > 1_800_000_000 {
+    if !item.position().is_valid() {
         return Err("Bad lat or lon".into());
     }
-    let (north_m, east_m, _) = frame.to_local(&Geodetic {
-        latitude_deg: f64::from(item.latitude_e7) * 1e-7,
-        longitude_deg: f64::from(item.longitude_e7) * 1e-7,
-        altitude_amsl_m: frame.origin().altitude_amsl_m,
-    });
+    let (north_m, east_m, _) = frame.to_local(&item.position().to_geodetic(frame.origin().altitude_amsl_m));
     Ok((north_m, east_m))
 }
 

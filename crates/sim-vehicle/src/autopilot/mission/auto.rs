@@ -2,7 +2,7 @@
 
 use super::items::{
     CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
-    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT,
+    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT, altitude_datum,
 };
 use super::legs::{AltitudeEnd, CircleEnd, Leg};
 use crate::firmware::Personality;
@@ -10,8 +10,8 @@ use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::Refusal;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
+use mavlink_bridge::{AltitudeDatum, PlanItem};
 use std::f64::consts::TAU;
 use std::time::Duration;
 
@@ -338,18 +338,13 @@ impl Vehicle {
 
     /// Where an item is, (north, east) in m; without a place, here.
     pub(crate) fn place_of(&self, item: &PlanItem) -> (f64, f64) {
-        if item.latitude_e7 == 0 && item.longitude_e7 == 0 {
-            return self.here();
-        }
-        self.to_local(item.latitude_e7, item.longitude_e7)
+        let position = item.position();
+        if position.is_zero() { self.here() } else { self.to_local(position) }
     }
 
     /// Its altitude, m above the origin: terrain is as high as home.
     pub(crate) fn altitude_of(&self, item: &PlanItem) -> f64 {
-        let above_sea = matches!(item.frame, 0 | 2 | 5);
-        let base_m =
-            if above_sea { -self.settings.frame.origin().altitude_amsl_m } else { self.flight.home().altitude_m };
-        base_m + f64::from(item.z_m)
+        self.above_origin_m(altitude_datum(item).unwrap_or(AltitudeDatum::Home), f64::from(item.z_m))
     }
 }
 

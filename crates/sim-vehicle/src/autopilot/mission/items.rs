@@ -1,8 +1,8 @@
 //! The items of a mission: which of them the vehicle takes, and what is wrong with the others.
 
 use crate::protocol::command::ALTITUDE_MAX_M;
-use mavlink_bridge::PlanItem;
-use mavlink_bridge::dialect::{MavCmd, MavMissionResult};
+use mavlink_bridge::dialect::{MavCmd, MavFrame, MavMissionResult};
+use mavlink_bridge::{AltitudeDatum, PlanItem};
 use std::ops::Range;
 
 pub(crate) const WAYPOINT: u16 = MavCmd::MAV_CMD_NAV_WAYPOINT as u32 as u16;
@@ -87,18 +87,23 @@ pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMission
     }
 }
 
+/// What the altitude of an item is measured from; none in a frame that is not taken. In the mission's own it is the sea.
+pub(super) fn altitude_datum(item: &PlanItem) -> Option<AltitudeDatum> {
+    const MISSION: u8 = MavFrame::MAV_FRAME_MISSION as u8;
+    if item.frame == MISSION { Some(AltitudeDatum::MeanSeaLevel) } else { item.altitude_datum() }
+}
+
 fn check_place(item: &PlanItem) -> Result<(), MavMissionResult> {
-    if item.latitude_e7.unsigned_abs() > 900_000_000 {
+    if !item.position().is_latitude_valid() {
         return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM5_X);
     }
-    if item.longitude_e7.unsigned_abs() > 1_800_000_000 {
+    if !item.position().is_longitude_valid() {
         return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y);
     }
     if item.z_m.is_nan() || item.z_m.abs() >= ALTITUDE_MAX_M {
         return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM7);
     }
-    // Above sea level (also the mission's own), home or terrain, each in its old and its new number.
-    if !matches!(item.frame, 0 | 2 | 3 | 5 | 6 | 10 | 11) {
+    if altitude_datum(item).is_none() {
         return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME);
     }
     Ok(())

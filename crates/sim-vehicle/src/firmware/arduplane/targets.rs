@@ -40,7 +40,7 @@ impl Vehicle {
         if self.mode() != Mode::Guided || data.type_mask.contains(Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE) {
             return;
         }
-        match self.guided_altitude_m("Setpoint", data.alt, data.coordinate_frame) {
+        match self.guided_altitude_m("Setpoint", data.alt, data.coordinate_frame as u8) {
             // They come in streams: no word of each.
             Ok(altitude_m) => {
                 self.change_guided_altitude(altitude_m);

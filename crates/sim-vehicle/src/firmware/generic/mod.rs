@@ -100,7 +100,7 @@ impl Vehicle {
     pub(super) fn generic_take_global_target(&mut self, data: &SET_POSITION_TARGET_GLOBAL_INT_DATA) {
         let target = PositionTarget::from_global(
             data,
-            |latitude_e7, longitude_e7| self.to_local(latitude_e7, longitude_e7),
+            |position| self.to_local(position),
             |altitude_m, frame| self.altitude_m("Setpoint", altitude_m, frame).ok(),
         );
         self.generic_take_target(target);

@@ -9,6 +9,7 @@ use crate::parameters::Parameter;
 use crate::protocol::command::{Command, Refusal, angle_rad, check_finite, integer};
 use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity};
+use mavlink_bridge::{CommandPosition, LatLonE7};
 
 /// Param 2 of COMPONENT_ARM_DISARM: by force, to disarm in the air.
 const FORCE: f32 = 21196.0;
@@ -25,6 +26,9 @@ fn known_params(command: MavCmd) -> Option<u8> {
         _ => return None,
     })
 }
+
+/// How a COMMAND_INT leaves a position out.
+const NO_POSITION: LatLonE7 = LatLonE7 { latitude_e7: i32::MAX, longitude_e7: i32::MAX };
 
 fn rejected(reason: impl Into<String>) -> Refusal {
     Refusal::new(MavResult::MAV_RESULT_TEMPORARILY_REJECTED, reason)
@@ -163,7 +167,7 @@ impl Vehicle {
         if !changes && self.mode() != Mode::Loiter {
             return Err(Refusal::denied(format!("Reposition: mode is {}", self.mode_name())));
         }
-        let place = place_e7("Reposition", command)?;
+        let place = place("Reposition", command)?;
         if speed_mps.is_infinite() {
             check_finite("Reposition", &[speed_mps])?;
         }
@@ -171,7 +175,7 @@ impl Vehicle {
         if place.is_some() || self.mode() != Mode::Course {
             self.set_mode(Mode::Loiter);
             let state = self.flight.state();
-            let at = place.map_or((state.x_m, state.y_m), |(lat, lon)| self.to_local(lat, lon));
+            let at = place.map_or((state.x_m, state.y_m), |place| self.to_local(place));
             let radius_m = if radius_m.is_finite() && radius_m != 0.0 {
                 f64::from(radius_m)
             } else {
@@ -194,11 +198,11 @@ impl Vehicle {
             radius_m if radius_m.is_nan() || radius_m == 0.0 => self.flight.tuning().loiter_radius_m,
             radius_m => f64::from(radius_m),
         };
-        let place = place_e7("Orbit", command)?;
+        let place = place("Orbit", command)?;
         let altitude_m = self.px4_altitude_m(command.z)?;
         self.px4_change_mode(Mode::Loiter)?;
         let state = self.flight.state();
-        let at = place.map_or((state.x_m, state.y_m), |(lat, lon)| self.to_local(lat, lon));
+        let at = place.map_or((state.x_m, state.y_m), |place| self.to_local(place));
         self.flight.reposition(at, radius_m);
         self.flight.set_altitude(altitude_m, f64::INFINITY);
         Ok(())
@@ -248,7 +252,7 @@ impl Vehicle {
         if z.is_nan() {
             return Ok(self.flight.state().altitude_m);
         }
-        self.altitude_m("Altitude", z, MavFrame::MAV_FRAME_GLOBAL)
+        self.altitude_m("Altitude", z, MavFrame::MAV_FRAME_GLOBAL as u8)
     }
 
     /// Says what PX4 says of a mode that it changes to by itself.
@@ -262,15 +266,14 @@ pub(in crate::firmware) fn accepts_without_device(command: u16) -> bool {
     matches!(command, 195 | 197 | 201)
 }
 
-/// A place that a command may leave out, 1e-7 degrees.
-fn place_e7(name: &str, command: &Command) -> Result<Option<(i32, i32)>, Refusal> {
-    let place = match command.place_e7 {
-        Some((i32::MAX, i32::MAX)) => None,
-        Some(place) => Some(place),
-        None if command.place.iter().all(|degrees| degrees.is_finite()) => Some(command.position_e7()),
-        None => None,
+/// A place that a command may leave out.
+fn place(name: &str, command: &Command) -> Result<Option<LatLonE7>, Refusal> {
+    let is_given = match command.position {
+        CommandPosition::Int(position) => position != NO_POSITION,
+        CommandPosition::Long(degrees) => degrees.iter().all(|degrees| degrees.is_finite()),
     };
-    if place.is_some_and(|(lat, lon)| lat.unsigned_abs() > 900_000_000 || lon.unsigned_abs() > 1_800_000_000) {
+    let place = is_given.then(|| command.lat_lon());
+    if place.is_some_and(|place| !place.is_valid()) {
         return Err(Refusal::denied(format!("{name}: no such place")));
     }
     Ok(place)
@@ -307,10 +310,10 @@ pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> R
 fn check_unused_params(command: &Command) -> Result<(), Refusal> {
     let Some(known) = known_params(command.command) else { return Ok(()) };
     let [p1, p2, p3, p4] = command.params;
-    let [p5, p6] = match command.place_e7 {
-        Some((i32::MAX, i32::MAX)) => [0.0; 2],
-        Some((x, y)) => [x as f32, y as f32],
-        None => command.place,
+    let [p5, p6] = match command.position {
+        CommandPosition::Int(NO_POSITION) => [0.0; 2],
+        CommandPosition::Int(position) => [position.latitude_e7 as f32, position.longitude_e7 as f32],
+        CommandPosition::Long(degrees) => degrees,
     };
     let all = [p1, p2, p3, p4, p5, p6, command.z];
     match all.iter().enumerate().find(|(index, param)| known >> index & 1 == 0 && !param.is_nan() && **param != 0.0) {

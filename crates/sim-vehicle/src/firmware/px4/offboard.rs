@@ -11,10 +11,18 @@ use crate::firmware::targets::{PositionTarget, TargetRefused};
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::vehicle::Vehicle;
+use mavlink_bridge::AltitudeDatum;
 use mavlink_bridge::dialect::{
     MavFrame, MavSeverity, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use std::time::Duration;
+
+/// The numbers of the global frames that PX4 looks for.
+const INT_FRAMES: [u8; 3] = [
+    MavFrame::MAV_FRAME_GLOBAL_INT as u8,
+    MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT as u8,
+    MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT as u8,
+];
 
 impl Vehicle {
     pub(in crate::firmware) fn px4_take_local_target(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
@@ -26,15 +34,10 @@ impl Vehicle {
     pub(in crate::firmware) fn px4_take_global_target(&mut self, data: &SET_POSITION_TARGET_GLOBAL_INT_DATA) {
         let target = PositionTarget::from_global(
             data,
-            |latitude_e7, longitude_e7| self.to_local(latitude_e7, longitude_e7),
-            |altitude_m, frame| match frame {
-                MavFrame::MAV_FRAME_GLOBAL_INT => {
-                    Some(f64::from(altitude_m) - self.settings.frame.origin().altitude_amsl_m)
-                }
-                MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => {
-                    Some(f64::from(altitude_m) + self.flight.home().altitude_m)
-                }
-                _ => None,
+            |position| self.to_local(position),
+            |altitude_m, frame| {
+                let datum = AltitudeDatum::of_frame(frame).filter(|_| INT_FRAMES.contains(&frame));
+                datum.map(|datum| self.above_origin_m(datum, f64::from(altitude_m)))
             },
         );
         self.take_target(target);

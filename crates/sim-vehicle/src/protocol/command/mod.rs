@@ -16,23 +16,20 @@ use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::RawCommand;
-use mavlink_bridge::dialect::{
-    COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity,
-};
+use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity};
+use mavlink_bridge::{AltitudeDatum, CommandPosition, LatLonE7};
 
 /// A command, whichever message carried it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Command {
     pub command: MavCmd,
     pub params: [f32; 4],
-    /// Latitude and longitude of COMMAND_INT, 1e-7 degrees.
-    pub place_e7: Option<(i32, i32)>,
-    /// Params 5 and 6 of COMMAND_LONG.
-    pub place: [f32; 2],
+    /// Params 5 and 6, latitude and longitude.
+    pub position: CommandPosition,
     /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
     pub z: f32,
-    pub frame: MavFrame,
+    /// MAV_FRAME.
+    pub frame: u8,
 }
 
 /// Why a command is not obeyed.
@@ -48,47 +45,19 @@ pub(crate) struct Refusal {
 /// Altitudes that are no more than that, m either way, can be stored by ArduPilot.
 pub(crate) const ALTITUDE_MAX_M: f32 = 83_000.0;
 
-/// The frames that an altitude can be in.
-const GLOBAL_FRAMES: [MavFrame; 6] = [
-    MavFrame::MAV_FRAME_GLOBAL,
-    MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
-    MavFrame::MAV_FRAME_GLOBAL_INT,
-    MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
-    MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT,
-    MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
-];
-
-impl From<&COMMAND_LONG_DATA> for Command {
-    fn from(data: &COMMAND_LONG_DATA) -> Self {
-        Self {
-            command: data.command,
-            params: [data.param1, data.param2, data.param3, data.param4],
-            place_e7: None,
-            place: [data.param5, data.param6],
-            z: data.param7,
-            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
-            frame: match data.command {
-                MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
-                _ => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
-            },
-        }
-    }
-}
-
-impl From<&COMMAND_INT_DATA> for Command {
-    fn from(data: &COMMAND_INT_DATA) -> Self {
-        Self {
-            command: data.command,
-            params: [data.param1, data.param2, data.param3, data.param4],
-            place_e7: Some((data.x, data.y)),
-            place: [0.0; 2],
-            z: data.z,
-            frame: data.frame,
-        }
-    }
-}
-
 impl Command {
+    /// A command as it came; none if the dialect does not know it, or its frame.
+    pub fn read(wire: &mavlink_bridge::Command) -> Option<Self> {
+        let command = wire.mav_cmd()?;
+        let frame = match wire.frame {
+            Some(_) => wire.mav_frame()?,
+            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
+            None if command == MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
+            None => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        };
+        Some(Self { command, params: wire.params, position: wire.position, z: wire.z, frame: frame as u8 })
+    }
+
     /// DO_SET_MODE, for the SET_MODE message that came before it, which has a PX4's main and sub mode in one number. Modes
     /// are exact in an f32 up to 2^24; beyond that there are none.
     pub fn set_mode(personality: Personality, custom: bool, custom_mode: u32) -> Self {
@@ -100,20 +69,22 @@ impl Command {
         Self {
             command: MavCmd::MAV_CMD_DO_SET_MODE,
             params: [f32::from(base_mode), main as f32, sub as f32, 0.0],
-            place_e7: None,
-            place: [0.0; 2],
+            position: CommandPosition::Long([0.0; 2]),
             z: 0.0,
-            frame: MavFrame::MAV_FRAME_GLOBAL,
+            frame: MavFrame::MAV_FRAME_GLOBAL as u8,
         }
     }
-}
 
-impl Command {
-    /// Latitude and longitude, 1e-7 degrees, whichever message carried them. A cast of what is too large takes the bound,
-    /// which is no place, and of what is no number, 0.
-    pub fn position_e7(&self) -> (i32, i32) {
-        let [latitude_e7, longitude_e7] = self.place.map(|degrees| (f64::from(degrees) * 1e7) as i32);
-        self.place_e7.unwrap_or((latitude_e7, longitude_e7))
+    /// Latitude and longitude, whichever message carried them. A cast of what is too large takes the bound, which is no
+    /// place, and of what is no number, 0.
+    pub fn lat_lon(&self) -> LatLonE7 {
+        match self.position {
+            CommandPosition::Int(position) => position,
+            CommandPosition::Long(degrees) => {
+                let [latitude_e7, longitude_e7] = degrees.map(|degrees| (f64::from(degrees) * 1e7) as i32);
+                LatLonE7 { latitude_e7, longitude_e7 }
+            }
+        }
     }
 }
 
@@ -213,13 +184,13 @@ impl Vehicle {
 
     /// Obeys a command with a value that the common dialect does not know: either the command itself, or, in a command
     /// that is known here, its frame.
-    pub(crate) fn execute_by_number(&mut self, raw: &RawCommand) -> Result<(), Refusal> {
+    pub(crate) fn execute_by_number(&mut self, raw: &mavlink_bridge::Command) -> Result<(), Refusal> {
         const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
         const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
         const DO_SEND_BANNER: u16 = 42_428;
         const BATTERY_RESET: u16 = 42_651;
         let [p1, p2, ..] = raw.params;
-        match raw.command {
+        match raw.number {
             GUIDED_CHANGE_ALTITUDE => {
                 self.check_guided_command("Altitude")?;
                 Err(Refusal::denied("Altitude: unknown frame"))
@@ -311,7 +282,7 @@ impl Vehicle {
     }
 
     /// z: m, above what the frame says. Param 3: rate in m/s, 0 for as fast as it flies.
-    fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: MavFrame) -> Result<(), Refusal> {
+    fn guided_altitude(&mut self, rate_mps: f32, z: f32, frame: u8) -> Result<(), Refusal> {
         self.check_guided_command("Altitude")?;
         check_finite("Altitude", &[rate_mps])?;
         let altitude_m = self.guided_altitude_m("Altitude", z, frame)?;
@@ -321,7 +292,7 @@ impl Vehicle {
     }
 
     /// An altitude of a guided command, in m above the origin.
-    pub(crate) fn guided_altitude_m(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+    pub(crate) fn guided_altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, Refusal> {
         check_finite(name, &[z])?;
         if z == 0.0 || z == -1.0 {
             return Err(Refusal::denied(format!("{name}: {z} m is not accepted")));
@@ -330,19 +301,20 @@ impl Vehicle {
     }
 
     /// An altitude that a command gives, in m above the origin: terrain is as high as home.
-    pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: MavFrame) -> Result<f64, Refusal> {
+    pub(crate) fn altitude_m(&self, name: &str, z: f32, frame: u8) -> Result<f64, Refusal> {
         if z.abs() >= ALTITUDE_MAX_M {
             return Err(Refusal::denied(format!("{name}: {z:e} m is no altitude")));
         }
-        match frame {
-            MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => {
-                Ok(f64::from(z) - self.settings.frame.origin().altitude_amsl_m)
-            }
-            MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT
-            | MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
-            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT
-            | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => Ok(self.flight.home().altitude_m + f64::from(z)),
-            other => Err(Refusal::denied(format!("{name}: frame {} is not accepted", other as u32))),
+        let datum = AltitudeDatum::of_frame(frame)
+            .ok_or_else(|| Refusal::denied(format!("{name}: frame {frame} is not accepted")))?;
+        Ok(self.above_origin_m(datum, f64::from(z)))
+    }
+
+    /// An altitude above a datum as one above the origin, m: terrain is as high as home.
+    pub(crate) fn above_origin_m(&self, datum: AltitudeDatum, altitude_m: f64) -> f64 {
+        match datum {
+            AltitudeDatum::MeanSeaLevel => altitude_m - self.settings.frame.origin().altitude_amsl_m,
+            AltitudeDatum::Home | AltitudeDatum::Terrain => altitude_m + self.flight.home().altitude_m,
         }
     }
 
@@ -368,8 +340,8 @@ impl Vehicle {
     /// accepted and has no effect, as in ArduPlane.
     fn change_altitude(&mut self, [altitude_m, frame]: [f32; 2]) -> Result<(), Refusal> {
         check_finite("Altitude", &[altitude_m, frame])?;
-        let known = GLOBAL_FRAMES.into_iter().find(|known| *known as i64 == integer(frame));
-        let frame = known.ok_or_else(|| Refusal::denied(format!("Altitude: frame {frame} is not accepted")))?;
+        let number = u8::try_from(integer(frame)).ok().filter(|number| AltitudeDatum::of_frame(*number).is_some());
+        let frame = number.ok_or_else(|| Refusal::denied(format!("Altitude: frame {frame} is not accepted")))?;
         let altitude_m = self.altitude_m("Altitude", altitude_m, frame)?;
         if self.mode().is_manual() {
             return Err(Refusal::denied(format!("Altitude: mode is {}", self.mode())));

@@ -3,6 +3,7 @@
 use crate::mode::Mode;
 use crate::protocol::command::{Command, Refusal};
 use crate::vehicle::Vehicle;
+use mavlink_bridge::CommandPosition;
 
 /// As wide as ArduPilot can store it, m.
 const RADIUS_MAX_M: f64 = 32_767.0;
@@ -11,9 +12,8 @@ impl Vehicle {
     /// COMMAND_INT only, as in ArduPlane. Param 2: 1 to go into GUIDED. Param 3: radius in m, 0 for WP_LOITER_RAD. Param 4:
     /// anticlockwise if it is a number other than 0. x, y, z: the place. Param 1, a speed, is not read.
     pub(crate) fn reposition(&mut self, command: &Command) -> Result<(), Refusal> {
-        let Some((latitude_e7, longitude_e7)) = command.place_e7 else { return Err(Refusal::unsupported()) };
-        let is_none = (latitude_e7, longitude_e7) == (0, 0);
-        if is_none || latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
+        let CommandPosition::Int(position) = command.position else { return Err(Refusal::unsupported()) };
+        if position.is_zero() || !position.is_valid() {
             return Err(Refusal::denied("Reposition: no such place"));
         }
         let altitude_m = self.guided_altitude_m("Reposition", command.z, command.frame)?;
@@ -25,7 +25,7 @@ impl Vehicle {
         if self.mode() != Mode::Guided && change_mode as i64 & 1 == 0 {
             return Err(Refusal::failed(format!("Reposition: mode is {}", self.mode())));
         }
-        let place = self.to_local(latitude_e7, longitude_e7);
+        let place = self.to_local(position);
         if self.is_outside_fence(place, altitude_m) {
             return Err(Refusal::denied("Reposition: the place is outside the fence"));
         }

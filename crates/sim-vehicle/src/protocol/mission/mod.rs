@@ -18,7 +18,7 @@ use crate::settings::SettingsError;
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{MISSION_COUNT_DATA, MavMissionResult, MavMissionType, MavSeverity, Message};
-use mavlink_bridge::{ItemKind, PlanItem, PlanItemMessage, PlanMessage, Target};
+use mavlink_bridge::{ItemKind, LatLonE7, PlanItem, PlanItemMessage, PlanMessage, Target};
 
 /// The plans on board, each as it was uploaded.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -163,7 +163,7 @@ impl Vehicle {
         match message {
             PlanMessage::RequestList => self.send_count(link, sender, kind),
             PlanMessage::Request(seq, item_kind) => self.send_item(link, sender, kind, seq, item_kind),
-            PlanMessage::Item(_, item, current @ (2 | 3)) if kind == PlanKind::Mission => {
+            PlanMessage::Item { item, current: current @ (2 | 3), .. } if kind == PlanKind::Mission => {
                 self.fly_to_item(link, sender, &item, current == 2);
             }
             PlanMessage::SetCurrent(seq) => {
@@ -175,7 +175,7 @@ impl Vehicle {
             }
             PlanMessage::Count(count) => self.begin_upload(link, sender, kind, count),
             PlanMessage::WritePartial(first, last) => self.begin_partial_upload(link, sender, kind, first, last),
-            PlanMessage::Item(seq, item, _) => self.take_item(link, sender, kind, seq, item),
+            PlanMessage::Item { seq, item, .. } => self.take_item(link, sender, kind, seq, item),
             PlanMessage::ClearAll => self.clear_plan(link, sender, kind),
             PlanMessage::Ack(result) => self.hear_plan_ack(link, sender, kind, result),
         }
@@ -251,9 +251,10 @@ impl Vehicle {
     fn home_item(&self) -> PlanItem {
         let home = self.flight.home();
         let home = self.settings.frame.to_geodetic(home.x_m, home.y_m, home.altitude_m);
+        let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&home);
         PlanItem {
-            latitude_e7: (home.latitude_deg * 1e7).round() as i32,
-            longitude_e7: (home.longitude_deg * 1e7).round() as i32,
+            latitude_e7,
+            longitude_e7,
             z_m: home.altitude_amsl_m as f32,
             command: WAYPOINT,
             autocontinue: 1,

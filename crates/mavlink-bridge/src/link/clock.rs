@@ -1,0 +1,169 @@
+//! A vehicle's clock as the ground sees it: when a stamped message was really flown, not when it was heard.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// How far back stamped messages are looked at.
+const WINDOW: Duration = Duration::from_secs(6);
+/// At most so many are kept.
+const SAMPLES_MAX: usize = 256;
+/// Round trips are looked at for this long: the shortest of them tells the delay of the link.
+const ROUND_TRIPS: Duration = Duration::from_secs(20);
+/// A drift is believed from messages that span this.
+const SPAN_MIN_S: f64 = 2.0;
+/// Clocks differ by at most this: a simulator that cannot keep up is the worst.
+const DRIFT_MAX: f64 = 0.5;
+/// A jump of the vehicle's clock backwards by more than this is a reboot.
+const REBOOT_MS: u32 = 2_000;
+
+/// Estimates, from the time stamps of telemetry and from TIMESYNC round trips, which ground time a vehicle's time is.
+///
+/// A message is heard some delay after it was stamped. The least delays of a window, with the drift between the two clocks
+/// taken out, give the vehicle's time plus the least delay of the link; half of the shortest round trip gives that delay.
+#[derive(Clone, Debug, Default)]
+pub struct VehicleClock {
+    /// Ground time of arrival, and by how much it is ahead of the stamp, s.
+    samples: VecDeque<(f64, f64)>,
+    round_trips: VecDeque<(Duration, f64)>,
+    last_boot_ms: Option<u32>,
+    /// Offset at `fitted_at` and its change per second.
+    fit: Option<Fit>,
+    reboots: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Fit {
+    at_s: f64,
+    offset_s: f64,
+    drift: f64,
+    jitter_s: f64,
+}
+
+impl VehicleClock {
+    /// Takes a stamp (`time_boot_ms`) that was heard at ground time `heard`.
+    pub fn hear(&mut self, boot_ms: u32, heard: Duration) {
+        if let Some(last) = self.last_boot_ms {
+            let back = last.wrapping_sub(boot_ms);
+            if back > REBOOT_MS && back < u32::MAX / 2 {
+                self.samples.clear();
+                self.fit = None;
+                self.reboots += 1;
+            } else if back < u32::MAX / 2 && back > 0 {
+                // Late, by another way: it tells nothing new.
+                return;
+            }
+        }
+        self.last_boot_ms = Some(boot_ms);
+        let now_s = heard.as_secs_f64();
+        let boot_s = f64::from(boot_ms) / 1e3;
+        self.samples.push_back((now_s, now_s - boot_s));
+        while self.samples.len() > SAMPLES_MAX
+            || self.samples.front().is_some_and(|&(at_s, _)| now_s - at_s > WINDOW.as_secs_f64())
+        {
+            self.samples.pop_front();
+        }
+        self.fit = self.fitted(now_s);
+    }
+
+    /// Takes a TIMESYNC round trip that ended at ground time `heard`.
+    pub fn round_trip(&mut self, round_trip: Duration, heard: Duration) {
+        self.round_trips.push_back((heard, round_trip.as_secs_f64()));
+        while self.round_trips.front().is_some_and(|&(at, _)| heard.saturating_sub(at) > ROUND_TRIPS) {
+            self.round_trips.pop_front();
+        }
+    }
+
+    /// Delay of the link one way, s: half of the shortest round trip; none before there was one.
+    pub fn delay_s(&self) -> Option<f64> {
+        self.round_trips.iter().map(|&(_, trip_s)| 0.5 * trip_s).min_by(f64::total_cmp)
+    }
+
+    /// How much later than the quickest messages come, s: the mean over the window.
+    pub fn jitter_s(&self) -> Option<f64> {
+        self.fit.map(|fit| fit.jitter_s)
+    }
+
+    /// Seconds by which the vehicle's clock falls behind in a second; positive for a simulator that cannot keep up.
+    pub fn drift(&self) -> Option<f64> {
+        self.fit.map(|fit| fit.drift)
+    }
+
+    /// How often the clock began anew: reboots in flight, or another vehicle with the same system id.
+    pub fn reboots(&self) -> u32 {
+        self.reboots
+    }
+
+    /// The ground time at which the vehicle's clock showed `boot_ms`, s; none before anything was heard.
+    pub fn ground_time_s(&self, boot_ms: u32) -> Option<f64> {
+        let fit = self.fit?;
+        let boot_s = f64::from(boot_ms) / 1e3;
+        let delay_s = self.delay_s().unwrap_or(0.0);
+        // offset(t) = offset + drift (t - at), and t = boot + offset(t).
+        let at_s = (boot_s + fit.offset_s - fit.drift * fit.at_s) / (1.0 - fit.drift);
+        Some(at_s - delay_s)
+    }
+
+    /// A line along the lower edge of the samples.
+    fn fitted(&self, now_s: f64) -> Option<Fit> {
+        let (first_s, _) = *self.samples.front()?;
+        let count = self.samples.len() as f64;
+        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| self.samples.iter().map(of).sum::<f64>() / count;
+        let (mean_t, mean_o) = (mean(&|sample| sample.0), mean(&|sample| sample.1));
+        let drift = if now_s - first_s < SPAN_MIN_S {
+            0.0
+        } else {
+            let covariance: f64 = self.samples.iter().map(|&(t, o)| (t - mean_t) * (o - mean_o)).sum();
+            let variance: f64 = self.samples.iter().map(|&(t, _)| (t - mean_t) * (t - mean_t)).sum();
+            if variance > 0.0 { (covariance / variance).clamp(-DRIFT_MAX, DRIFT_MAX) } else { 0.0 }
+        };
+        let residual = |&(t, o): &(f64, f64)| o - drift * (t - now_s);
+        let offset_s = self.samples.iter().map(residual).min_by(f64::total_cmp)?;
+        let jitter_s = self.samples.iter().map(|sample| residual(sample) - offset_s).sum::<f64>() / count;
+        Some(Fit { at_s: now_s, offset_s, drift, jitter_s })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn clock(drift: f64, delay_s: f64, jitter_s: impl Fn(usize) -> f64, count: usize) -> (VehicleClock, f64) {
+        let mut clock = VehicleClock::default();
+        let mut last_s = 0.0;
+        for index in 0..count {
+            let flown_s = 100.0 + 0.1 * index as f64;
+            let boot_ms = ((flown_s - 90.0) * (1.0 - drift) * 1e3).round() as u32;
+            let heard_s = flown_s + delay_s + jitter_s(index);
+            clock.hear(boot_ms, Duration::from_secs_f64(heard_s));
+            clock.round_trip(Duration::from_secs_f64(2.0 * delay_s), Duration::from_secs_f64(heard_s));
+            last_s = clock.ground_time_s(boot_ms).unwrap() - flown_s;
+        }
+        (clock, last_s)
+    }
+
+    #[test]
+    fn a_steady_link_gives_the_time_at_which_it_was_flown() {
+        let (clock, error_s) = clock(0.0, 0.2, |_| 0.0, 50);
+        assert!(error_s.abs() < 2e-3, "{error_s}");
+        assert!((clock.delay_s().unwrap() - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_reboot_begins_anew() {
+        let (mut clock, _) = clock(0.0, 0.0, |_| 0.0, 50);
+        clock.hear(100, Duration::from_secs(200));
+        assert_eq!(clock.reboots(), 1);
+        assert!((clock.ground_time_s(100).unwrap() - 200.0).abs() < 1e-9);
+    }
+
+    proptest! {
+        #[test]
+        fn jitter_and_drift_are_taken_out(drift in -0.05..0.05f64, seed in 0..1000usize) {
+            // Half of the messages come up to 20 ms late.
+            let late = |index: usize| if (index * 7919 + seed).is_multiple_of(2) { 0.0 } else { ((index * 104729 + seed) % 20) as f64 * 1e-3 };
+            let (_, error_s) = clock(drift, 0.0, late, 120);
+            prop_assert!(error_s.abs() < 0.015, "{error_s}");
+        }
+    }
+}
