@@ -127,7 +127,7 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
             &["columba: near.toml:3: contender \"near\": look_ahead.horizon_s = 0: must be"],
         ),
         (&["--contenders", "none.toml"], &["columba: none.toml: file not found: must be a file of [[contender]]"]),
-        (&["--set", "law.gain=1"], &["columba: --set: law.gain: unknown key", "formation_gain"]),
+        (&["--set", "law.gain=1"], &["columba: --set law.gain=1: unknown key", "formation_gain"]),
         (&["--set", "law"], &["--set", "must be KEY=VALUE"]),
         (&["--seeds", "5..1"], &["'5..1'", "--seeds", "a range with both ends"]),
         (&["--optimizers", "mslpio,best"], &["'best'", "--optimizers", "mslpio, mpio, nsga2, slpio"]),
