@@ -63,5 +63,5 @@ def test_tests_of_somebody_else_have_vehicles(program, tmp_path):
 
 
 def test_why_vehicles_did_not_start_is_told(program):
-    with pytest.raises(RuntimeError, match="status 2: columba: nowhere.toml: there is no such file"):
+    with pytest.raises(RuntimeError, match="status 2: columba: nowhere.toml: file not found"):
         Fleet(program, "nowhere.toml")

@@ -1,12 +1,12 @@
 //! The command line.
 
 use crate::compare::Seeds;
-use crate::config::{COUNT_MAX, DURATION_MAX_S, Layer, Overrides, Pattern, Preset, SHARE_MAX};
+use crate::config::{Layer, flags};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use optimizer::Algorithm;
 use optimizer::suites::Suite;
-use sim_vehicle::{NETWORK_VEHICLES_MAX, Personality};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Flies a flock of UAVs over MAVLink: simulated vehicles, a ground controller that runs MSLPIO, and reports.
@@ -22,6 +22,27 @@ pub struct Cli {
     /// Threads that solve, 1 to 1024; by default as many as the machine has. What comes out is the same with any number.
     #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<u16>,
+    /// What the command line lays over the scenario file, the lowest layer first: see [`flags`].
+    #[arg(skip)]
+    pub layers: Vec<Layer>,
+}
+
+impl Cli {
+    /// The whole command line, with the flags that stand in for keys of the scenario file.
+    pub fn full_command() -> clap::Command {
+        flags::add_to(Self::command())
+    }
+
+    /// Reads arguments, the first of which is the name of the program.
+    ///
+    /// # Errors
+    /// They are wrong, or ask for help.
+    pub fn read(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<Self, clap::Error> {
+        let matches = Self::full_command().try_get_matches_from(arguments)?;
+        let mut cli = Self::from_arg_matches(&matches)?;
+        cli.layers = matches.subcommand().map(|(_, matches)| flags::layers(matches)).unwrap_or_default();
+        Ok(cli)
+    }
 }
 
 const EXIT_STATUS: &str = "\
@@ -135,18 +156,15 @@ pub enum Command {
 pub struct RunArgs {
     /// Scenario file (TOML); without one, the paper's five UAVs and seven obstacles.
     pub config: Option<PathBuf>,
-    /// What changes the file.
+    /// What happens to the run's folder.
     #[command(flatten)]
-    pub flight: FlightArgs,
+    pub folder: FolderArgs,
     /// What carries states and setpoints.
     #[arg(long, value_enum, default_value_t = Transport::Udp)]
     pub transport: Transport,
     /// Flies in real time instead of lockstep, K times as fast as the wall clock: 0.01 to 100, 1 as in life.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = speed)]
     pub speed: Option<f64>,
-    /// First UDP port of the vehicles; 0: any free ports. By default 14600 in real time, any free ports in lockstep.
-    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
-    pub vehicle_port: Option<u16>,
 }
 
 /// `columba vehicles`.
@@ -154,51 +172,12 @@ pub struct RunArgs {
 pub struct VehiclesArgs {
     /// Scenario file (TOML) for the vehicles' starts and dynamics; without one, the paper's.
     pub config: Option<PathBuf>,
-    /// So many vehicles in a grid (or the file's own pattern), instead of the file's: 1 to 10000.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count)]
-    pub count: Option<usize>,
-    /// How they are laid out.
-    #[arg(long, value_enum, requires = "count", conflicts_with = "swarm")]
-    pub pattern: Option<Pattern>,
-    /// Vehicles that start where a file says, a line instance=east,north,up,heading for each, as ArduPilot's swarminit.txt;
-    /// with --count only the first so many.
-    #[arg(long, value_name = "FILE")]
-    pub swarm: Option<PathBuf>,
-    /// Parameter file of ArduPilot, PX4 or a ground station: the vehicles start with its values. Parameters that they do not
-    /// use are there for clients all the same. May be given several times; the last value of a name counts.
-    #[arg(long, value_name = "FILE")]
-    pub defaults: Vec<PathBuf>,
-    /// Sets a parameter of every vehicle at the start, as WP_LOITER_RAD=80; may be given several times.
-    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = parameter)]
-    pub parameters: Vec<(String, f64)>,
-    /// First UDP port; each further vehicle has the next. 0: any free ports. By default 14600.
-    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
-    pub vehicle_port: Option<u16>,
-    /// So many vehicles on each port, 1 to 250, told apart by their system ids. By default 1.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = per_port)]
-    pub per_port: Option<usize>,
-    /// UDP port to which telemetry goes unasked, and for each further network of 250 vehicles the next; 0: nowhere, only to who
-    /// speaks first. By default 14550.
-    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
-    pub ground_port: Option<u16>,
     /// Vehicle seconds for each second of the wall clock, 0.01 to 100.
     #[arg(long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed, conflicts_with = "lockstep")]
     pub speed: f64,
     /// Simulated time: a vehicle moves on only when it has the setpoint stamped with its time.
     #[arg(long)]
     pub lockstep: bool,
-    /// Share of datagrams lost each way, 0 to 0.95.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
-    pub loss: Option<f64>,
-    /// Seed of the link's impairment and of random starts.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
-    pub seed: Option<u64>,
-    /// Vehicles start on the ground, disarmed and in MANUAL, instead of in the air; as [autopilot] on_ground.
-    #[arg(long, conflicts_with = "lockstep")]
-    pub on_ground: bool,
-    /// Which autopilot the vehicles pass for; as [autopilot] personality.
-    #[arg(long, value_name = "AUTOPILOT", value_parser = personality())]
-    pub personality: Option<Personality>,
     /// Folder in which parameters that are set and plans that are uploaded survive a restart: vehicle-1.parm,
     /// vehicle-1-mission.txt and so on. By default they do not.
     #[arg(long, alias = "params-folder", value_name = "DIR")]
@@ -213,18 +192,15 @@ pub struct VehiclesArgs {
 pub struct FlyArgs {
     /// Scenario file (TOML); without one, the paper's.
     pub config: Option<PathBuf>,
-    /// What changes the file.
+    /// What happens to the run's folder.
     #[command(flatten)]
-    pub flight: FlightArgs,
+    pub folder: FolderArgs,
     /// The vehicles keep simulated time (columba vehicles --lockstep).
     #[arg(long, conflicts_with = "speed")]
     pub lockstep: bool,
     /// Vehicle seconds for each second of the wall clock, as the vehicles were told.
     #[arg(long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub speed: f64,
-    /// Speaks first to the vehicles at this port and those after it, instead of waiting for their telemetry.
-    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
-    pub vehicle_port: Option<u16>,
 }
 
 /// `columba compare`.
@@ -240,12 +216,6 @@ pub struct CompareArgs {
     /// File of [[contender]] tables (TOML); they follow the optimisers, which are then none by default.
     #[arg(long, value_name = "FILE")]
     pub contenders: Option<PathBuf>,
-    /// Changes the scenarios for all contenders, as look_ahead.horizon_s=1.5; may be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = Layer::setting)]
-    pub settings: Vec<Layer>,
-    /// Which reading of the paper all contenders start from.
-    #[arg(long, value_enum)]
-    pub preset: Option<Preset>,
     /// Seeds: how many (100 is 1 to 100), a range with both ends (101..200), or a list of these (7..7,20..29).
     #[arg(long, value_name = "SEEDS", default_value = "100", allow_hyphen_values = true)]
     pub seeds: Seeds,
@@ -297,33 +267,12 @@ pub struct SuitesArgs {
     pub force: bool,
 }
 
-/// What `run` and `fly` change of a file.
+/// What `run` and `fly` do with the folder of the run.
 #[derive(Debug, Args)]
-pub struct FlightArgs {
-    /// Seed of every random number.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
-    pub seed: Option<u64>,
-    /// Which reading of the paper to start from; the file's tables then change it.
-    #[arg(long, value_enum)]
-    pub preset: Option<Preset>,
-    /// Who picks the weights.
-    #[arg(long, value_name = "NAME", value_parser = algorithm())]
-    pub optimizer: Option<Algorithm>,
-    /// Flight time in seconds, at least one control period; the last period is flown whole.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
-    pub duration: Option<f64>,
-    /// Folder of the run, new or empty; by default runs/ and the scenario's name, with a number where that is not empty.
-    #[arg(long, short, value_name = "FOLDER")]
-    pub out: Option<PathBuf>,
+pub struct FolderArgs {
     /// Writes into a folder that is not empty: replaces the files of an earlier run, keeps all others.
     #[arg(long)]
     pub force: bool,
-    /// UDP port of the controller; 0: any free one. By default 14550 for fly, any free one for run.
-    #[arg(long, value_name = "PORT", allow_negative_numbers = true)]
-    pub ground_port: Option<u16>,
-    /// Share of datagrams lost each way, 0 to 0.95.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
-    pub loss: Option<f64>,
     /// Writes no report and no figures, only the record.
     #[arg(long)]
     pub no_report: bool,
@@ -338,22 +287,6 @@ pub enum Transport {
     Memory,
 }
 
-impl FlightArgs {
-    /// As what the scenario takes.
-    pub fn overrides(&self) -> Overrides {
-        Overrides {
-            seed: self.seed,
-            preset: self.preset,
-            algorithm: self.optimizer,
-            duration_s: self.duration,
-            folder: self.out.clone(),
-            ground_port: self.ground_port,
-            loss: self.loss,
-            ..Overrides::default()
-        }
-    }
-}
-
 /// An optimiser by its key.
 pub fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
     let keys = PossibleValuesParser::new(Algorithm::ALL.iter().map(|algorithm| algorithm.key()));
@@ -362,44 +295,12 @@ pub fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
     })
 }
 
-/// A personality by its name.
-fn personality() -> impl TypedValueParser<Value = Personality> {
-    let names = PossibleValuesParser::new(Personality::ALL.map(Personality::name));
-    names.try_map(|name| {
-        Personality::ALL.into_iter().find(|personality| personality.name() == name).ok_or("no such autopilot")
-    })
-}
-
 fn speed(text: &str) -> Result<f64, String> {
     number(text, 0.01, 100.0)
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    number(text, 0.0, SHARE_MAX)
-}
-
-fn duration(text: &str) -> Result<f64, String> {
-    number(text, 0.001, DURATION_MAX_S)
-}
-
 fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
-}
-
-fn count(text: &str) -> Result<usize, String> {
-    let whole = text.parse().ok().filter(|count| (1..=COUNT_MAX).contains(count));
-    whole.ok_or_else(|| format!("must be a whole number from 1 to {COUNT_MAX}"))
-}
-
-fn per_port(text: &str) -> Result<usize, String> {
-    let whole = text.parse().ok().filter(|count| (1..=NETWORK_VEHICLES_MAX).contains(count));
-    whole.ok_or_else(|| format!("must be a whole number from 1 to {NETWORK_VEHICLES_MAX}"))
-}
-
-fn parameter(text: &str) -> Result<(String, f64), String> {
-    let parts =
-        text.split_once('=').and_then(|(name, value)| Some((name.trim().to_owned(), value.trim().parse().ok()?)));
-    parts.filter(|(name, _)| !name.is_empty()).ok_or_else(|| "must be NAME=VALUE, the value a number".to_owned())
 }
 
 fn problem(text: &str) -> Result<Suite, String> {

@@ -5,6 +5,7 @@ pub mod args;
 pub mod commands;
 pub mod compare;
 pub mod config;
+pub mod counted;
 pub mod flight;
 pub mod flying;
 pub mod judge;

@@ -1,12 +1,11 @@
 //! The program: reads its arguments, runs a command, and answers with an exit status.
 
-use clap::Parser;
 use columba::args::{Cli, Command};
 use columba::commands::{self, Failure};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::read(std::env::args_os()).unwrap_or_else(|error| error.exit());
     commands::start_tracing();
     let result = match &cli.command {
         Command::Run(args) => commands::run(&cli, args),

@@ -54,15 +54,15 @@ fn bad_arguments_are_refused_by_name_value_and_range() {
         (&["run", "--speed", "0"], &["'0'", "--speed", "from 0.01 to 100"]),
         (&["run", "--speed", "nan"], &["'nan'", "--speed"]),
         (&["run", "--threads", "0"], &["'0'", "--threads", "from 1 to 1024"]),
-        (&["run", "--loss", "2"], &["'2'", "--loss", "from 0 to 0.95"]),
-        (&["run", "--loss", "-0.1"], &["'-0.1'", "--loss", "from 0 to 0.95"]),
-        (&["run", "--seed", "-1"], &["'-1'", "--seed", "a whole number from 0"]),
-        (&["run", "--duration", "inf"], &["'inf'", "--duration", "to 86400"]),
-        (&["run", "--vehicle-port", "70000"], &["'70000'", "--vehicle-port", "0..=65535"]),
+        (&["run", "--loss", "2"], &["columba: --loss 2: must be", "from 0 to 0.95"]),
+        (&["run", "--loss", "-0.1"], &["columba: --loss -0.1: must be", "from 0 to 0.95"]),
+        (&["run", "--seed", "-1"], &["columba: --seed -1: must be a whole number, 0 or greater"]),
+        (&["run", "--duration", "inf"], &["columba: --duration inf: must be", "to 86400"]),
+        (&["run", "--vehicle-port", "70000"], &["columba: --vehicle-port 70000: must be", "from 0 to 65535"]),
         (&["run", "--preset", "best"], &["'best'", "default, paper, literal"]),
         (&["run", "--speed", "1", "--transport", "memory"], &["--speed needs --transport udp"]),
         (&["run", "one", "two"], &["'two'"]),
-        (&["vehicles", "--count", "0"], &["'0'", "--count", "from 1 to 10000"]),
+        (&["vehicles", "--count", "0"], &["columba: --count 0: must be", "from 1 to 10000"]),
         (&["vehicles", "--speed", "2", "--lockstep"], &["--speed", "--lockstep"]),
         (&["vehicles", "--vehicle-port", "65535"], &["--vehicle-port 65535: must be at most 65531 for 5 vehicles"]),
         (&["fly", "--lockstep", "--speed", "3"], &["--lockstep", "--speed"]),
@@ -97,7 +97,7 @@ fn a_bad_file_is_refused_by_every_command_and_leaves_nothing() {
 fn what_is_no_file_is_refused() {
     let room = Room::new();
     room.write("binary.toml", b"[scenario]\nname = \"\xff\"\n");
-    room.columba(&["run", "absent.toml"]).refused(&["absent.toml: there is no such file: must be a scenario file"]);
+    room.columba(&["run", "absent.toml"]).refused(&["absent.toml: file not found: must be a scenario file"]);
     room.columba(&["run", "."]).refused(&[".: is a folder: must be a scenario file"]);
     room.columba(&["run", "binary.toml"]).refused(&["binary.toml:2: byte 0xff is not UTF-8"]);
     room.columba(&["run", ""]).refused(&["CONFIG"]);
@@ -112,10 +112,7 @@ fn check_reports_every_file() {
     room.write("bad.toml", SMALL.replace("radius_m", "radus_m"));
     room.write("worse.toml", SMALL.replace("[flock]", "[flock"));
     let said = room.columba(&["check", "good.toml", "bad.toml", "worse.toml", "also-good.toml"]).with(2);
-    assert_eq!(
-        said.out,
-        "good.toml: good: 1 UAVs, 1 obstacles, 2.0 s\nalso-good.toml: good: 1 UAVs, 1 obstacles, 2.0 s\n"
-    );
+    assert_eq!(said.out, "good.toml: good: 1 UAV, 1 obstacle, 2.0 s\nalso-good.toml: good: 1 UAV, 1 obstacle, 2.0 s\n");
     let lines: Vec<&str> = said.err.lines().collect();
     assert_eq!(lines.len(), 2, "{said:?}");
     assert!(lines[0].starts_with("columba: bad.toml:18: obstacle[1].radus_m: unknown key: did you mean radius_m?"));

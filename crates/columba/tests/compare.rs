@@ -126,17 +126,14 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
             &["--contenders", "near.toml"],
             &["columba: near.toml:3: contender \"near\": look_ahead.horizon_s = 0: must be"],
         ),
-        (
-            &["--contenders", "none.toml"],
-            &["columba: none.toml: there is no such file: must be a file of [[contender]]"],
-        ),
-        (&["--set", "law.gain=1"], &["columba: --set: law.gain: unknown key", "formation_gain"]),
+        (&["--contenders", "none.toml"], &["columba: none.toml: file not found: must be a file of [[contender]]"]),
+        (&["--set", "law.gain=1"], &["columba: --set law.gain=1: unknown key", "formation_gain"]),
         (&["--set", "law"], &["--set", "must be KEY=VALUE"]),
         (&["--seeds", "5..1"], &["'5..1'", "--seeds", "a range with both ends"]),
         (&["--optimizers", "mslpio,best"], &["'best'", "--optimizers", "mslpio, mpio, nsga2, slpio"]),
         (&["--optimizers", "mpio,mpio"], &["two contenders are named \"MPIO\""]),
         (&["small.toml"], &["two scenarios are named \"small\""]),
-        (&["none.toml"], &["columba: none.toml: there is no such file: must be a scenario file"]),
+        (&["none.toml"], &["columba: none.toml: file not found: must be a scenario file"]),
         (&["--out", "taken"], &["--out: cannot write into the run folder taken", "must be a folder"]),
     ];
     for (options, words) in cases {

@@ -1,7 +1,7 @@
 //! Every scenario in `config/` is good and flies without collision.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests may, as tests may
 
-use columba::config::{self, Overrides};
+use columba::config;
 use columba::flying::{self, Progress};
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ fn every_example_flies_in_memory_without_collision() {
     let files = scenarios();
     assert!(files.len() >= 3, "{files:?}");
     for path in files {
-        let scenario = config::load(Some(&path), &Overrides::default()).unwrap_or_else(|error| panic!("{error}"));
+        let scenario = config::load(Some(&path), &[]).unwrap_or_else(|error| panic!("{error}"));
         // The folder of a run is named after the scenario: two of one name would write over each other.
         assert_eq!(path.file_stem().unwrap().to_str(), Some(scenario.name.as_str()));
         let progress = Progress::new(scenario.ticks(), scenario.control_period, true);
@@ -33,7 +33,7 @@ fn every_example_flies_in_memory_without_collision() {
 #[test]
 fn gaps_of_the_second_field_let_a_uav_through() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/random12.toml");
-    let scenario = config::load(Some(&path), &Overrides::default()).unwrap();
+    let scenario = config::load(Some(&path), &[]).unwrap();
     assert_eq!((scenario.starts.len(), scenario.obstacles.len()), (12, 10));
     for (index, a) in scenario.obstacles.iter().enumerate() {
         assert!((4.0..=14.0).contains(&a.radius_m));

@@ -1,7 +1,7 @@
 //! docs/extending.md against the code that it quotes.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests may, as tests may
 
-use columba::config::{self, Overrides};
+use columba::config;
 use std::path::Path;
 
 const PAGE: &str = include_str!("../../../docs/extending.md");
@@ -48,6 +48,6 @@ fn its_contenders_are_settings_of_a_scenario() {
         let scenario = format!("{}\n[law]\n{key}\n", config::PAPER);
         let path = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(path.path(), scenario).unwrap();
-        config::load(Some(path.path()), &Overrides::default()).unwrap();
+        config::load(Some(path.path()), &[]).unwrap();
     }
 }

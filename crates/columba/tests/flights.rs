@@ -43,7 +43,7 @@ fn a_run_writes_what_it_promises_and_nothing_else() {
     let said = room.columba(&["run", "small.toml"]).with(0);
     assert!(said.err.is_empty(), "{said:?}");
     assert!(
-        said.out.contains("small: 1 UAVs, 1 obstacles, 2.0 s flown") && said.out.contains("runs/small/report.html"),
+        said.out.contains("small: 1 UAV, 1 obstacle, 2.0 s flown") && said.out.contains("runs/small/report.html"),
         "{said:?}"
     );
     assert!(!said.out.contains('\u{1b}') && !said.out.contains('\r'), "no terminal, no escapes: {said:?}");

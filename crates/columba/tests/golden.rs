@@ -7,7 +7,7 @@
 //! for a change of speed, of structure, of the compiler or of the platform.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests may, as tests may
 
-use columba::config::{self, Overrides};
+use columba::config;
 use columba::flying::{self, Progress};
 use std::fmt::Write;
 use std::path::Path;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// over the bits of all rows.
 fn flown() -> String {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden.toml");
-    let scenario = config::load(Some(&folder), &Overrides::default()).unwrap();
+    let scenario = config::load(Some(&folder), &[]).unwrap();
     let progress = Progress::new(scenario.ticks(), scenario.control_period, true);
     let (_sender, stop) = tokio::sync::watch::channel(false);
     let flight = flying::fly_in_memory(&scenario, &progress, &stop).unwrap();

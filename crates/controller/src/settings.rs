@@ -1,5 +1,6 @@
 //! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as default.
 
+use flight_model::{RangeError, Ranges};
 use serde::{Deserialize, Serialize};
 
 /// All that the controller can be asked to do differently.
@@ -168,7 +169,59 @@ impl Default for LookAheadSettings {
     }
 }
 
+impl LawSettings {
+    /// Every setting that is out of its range.
+    pub fn check(&self) -> Vec<RangeError> {
+        let mut ranges = Ranges::default();
+        for (name, value, high) in [
+            ("formation_gain", self.formation_gain, 1e3),
+            ("collision_gain", self.collision_gain, 1e9),
+            ("obstacle_gain", self.obstacle_gain, 1e3),
+            ("neighbour_velocity_gain", self.neighbour_velocity_gain, 1e3),
+            ("vertical_velocity_gain", self.vertical_velocity_gain, 1e3),
+            ("altitude_gain", self.altitude_gain, 1e3),
+            ("obstacle_margin_m", self.obstacle_margin_m, 100.0),
+            ("influence_factor", self.influence_factor, 1e3),
+            ("velocity_cost_s", self.velocity_cost_s, 1e3),
+        ] {
+            ranges.within(name, value, 0.0, high);
+        }
+        for (name, value, high) in [
+            ("communication_distance_m", self.communication_distance_m, 1e3),
+            ("desired_distance_m", self.desired_distance_m, 1e3),
+            ("safe_distance_m", self.safe_distance_m, 1e3),
+            ("perception_distance_m", self.perception_distance_m, 1e4),
+        ] {
+            ranges.above(name, value, 0.0, high);
+        }
+        ranges.errors()
+    }
+}
+
+impl WeightSettings {
+    /// Every setting that is out of its range.
+    pub fn check(&self) -> Vec<RangeError> {
+        let mut ranges = Ranges::default();
+        ranges.within("min", self.min, 0.0, 100.0);
+        ranges.above("max", self.max, self.min, 100.0);
+        ranges.errors()
+    }
+}
+
 impl LookAheadSettings {
+    /// Longest horizon, s.
+    pub const HORIZON_MAX_S: f64 = 60.0;
+
+    /// Every setting that is out of its range.
+    pub fn check(&self) -> Vec<RangeError> {
+        let mut ranges = Ranges::default();
+        ranges.above("horizon_s", self.horizon_s, 0.0, Self::HORIZON_MAX_S);
+        ranges.above("separation_m", self.separation_m, 0.0, 1e3);
+        ranges.within("clearance_m", self.clearance_m, 0.0, 100.0);
+        ranges.whole("neighbours_max", self.neighbours_max, 1, 64);
+        ranges.errors()
+    }
+
     /// Control periods in the horizon, at least one.
     pub fn steps(&self, control_period_s: f64) -> usize {
         ((self.horizon_s / control_period_s).round() as usize).max(1)

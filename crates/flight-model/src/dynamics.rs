@@ -1,5 +1,7 @@
 //! The constants of the vehicle model, with the paper's values as defaults.
 
+use crate::{RangeError, Ranges};
+
 /// Time constants of the three autopilots (Eq. 1), in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeConstants {
@@ -57,6 +59,29 @@ impl Default for Limits {
             lateral_overload_max: 5.0,
             gravity_mps2: 10.0,
         }
+    }
+}
+
+impl Dynamics {
+    /// Every constant that is out of its range, by the name that a scenario file gives it.
+    pub fn check(&self) -> Vec<RangeError> {
+        let Self { time_constants, limits } = self;
+        let mut ranges = Ranges::default();
+        for (name, value) in [
+            ("speed_time_constant_s", time_constants.speed_s),
+            ("course_time_constant_s", time_constants.course_s),
+            ("altitude_time_constant_a_s", time_constants.altitude_a_s),
+            ("altitude_time_constant_b_s", time_constants.altitude_b_s),
+        ] {
+            ranges.within(name, value, 0.02, 60.0);
+        }
+        ranges.within("speed_min_mps", limits.speed_min_mps, 0.1, 300.0);
+        ranges.above("speed_max_mps", limits.speed_max_mps, limits.speed_min_mps, 300.0);
+        ranges.within("climb_min_mps", limits.climb_min_mps, -100.0, -0.1);
+        ranges.within("climb_max_mps", limits.climb_max_mps, 0.1, 100.0);
+        ranges.within("lateral_overload_max", limits.lateral_overload_max, 0.1, 20.0);
+        ranges.within("gravity_mps2", limits.gravity_mps2, 1.0, 20.0);
+        ranges.errors()
     }
 }
 

@@ -23,6 +23,7 @@ mod autopilot;
 mod dynamics;
 mod frame;
 mod gusts;
+mod range;
 mod state;
 mod wind;
 
@@ -33,5 +34,6 @@ pub use autopilot::Autopilot;
 pub use dynamics::{Dynamics, Limits, TimeConstants};
 pub use frame::{Geodetic, LocalFrame};
 pub use gusts::Gusts;
+pub use range::{Range, RangeError, Ranges};
 pub use state::{Setpoint, State};
 pub use wind::Wind;

@@ -1,6 +1,7 @@
 //! A bad link: loss, duplication, delay, jitter and reordering of datagrams. Sans-I/O and repeatable.
 
 use crate::Counters;
+use flight_model::{RangeError, Ranges};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use serde::{Deserialize, Serialize};
@@ -13,7 +14,7 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImpairmentSettings {
-    /// Probability that a datagram is lost, 0 to 1.
+    /// Probability that a datagram is lost, 0 to 1; see [`SHARE_MAX`](Self::SHARE_MAX).
     pub loss: f64,
     /// Probability that a datagram comes twice, 0 to 1.
     pub duplication: f64,
@@ -44,14 +45,34 @@ pub const HOLD_MAX: Duration = Duration::from_millis(100);
 pub const UNDER_WAY_MAX: usize = 65_536;
 
 impl ImpairmentSettings {
-    /// Checks every setting against its range.
+    /// Greatest share of datagrams lost, duplicated or reordered in a flight: over a link that loses everything, a flight
+    /// would wait for ever.
+    pub const SHARE_MAX: f64 = 0.95;
+    /// Greatest delay and jitter, ms.
+    const DELAY_MAX_MS: f64 = 60_000.0;
+
+    /// Every setting that is out of the range of a flight.
+    pub fn check(&self) -> Vec<RangeError> {
+        let mut ranges = Ranges::default();
+        for (name, share) in [("loss", self.loss), ("duplication", self.duplication), ("reordering", self.reordering)] {
+            ranges.within(name, share, 0.0, Self::SHARE_MAX);
+        }
+        ranges.within("delay_ms", self.delay_ms, 0.0, Self::DELAY_MAX_MS);
+        ranges.within("jitter_ms", self.jitter_ms, 0.0, Self::DELAY_MAX_MS);
+        ranges.errors()
+    }
+
+    /// Checks every setting against its range as a link takes it; a link may lose everything.
+    ///
+    /// # Errors
+    /// The first that is out of its range.
     pub fn validate(&self) -> Result<(), ImpairmentError> {
         let ranges = [
             ("loss", self.loss, 1.0),
             ("duplication", self.duplication, 1.0),
             ("reordering", self.reordering, 1.0),
-            ("delay_ms", self.delay_ms, 60_000.0),
-            ("jitter_ms", self.jitter_ms, 60_000.0),
+            ("delay_ms", self.delay_ms, Self::DELAY_MAX_MS),
+            ("jitter_ms", self.jitter_ms, Self::DELAY_MAX_MS),
         ];
         for (name, value, max) in ranges {
             if !(0.0..=max).contains(&value) {

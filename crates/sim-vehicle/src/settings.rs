@@ -4,7 +4,7 @@ use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::file::{ParameterFile, Place};
 use crate::protocol::mission::Plans;
-use flight_model::{Dynamics, Geodetic, LocalFrame, State};
+use flight_model::{Dynamics, Geodetic, LocalFrame, RangeError, Ranges, State};
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -102,15 +102,8 @@ pub struct LockstepSettings {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingsError {
     /// A number outside what its setting allows.
-    #[error("{name} = {value} is outside {range}")]
-    Range {
-        /// Name of the setting.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The allowed values.
-        range: String,
-    },
+    #[error(transparent)]
+    Range(#[from] RangeError),
     /// The start state has a component that is not a finite number.
     #[error("the start state is not finite")]
     StartNotFinite,
@@ -217,21 +210,29 @@ impl Default for LockstepSettings {
 
 impl VehicleSettings {
     /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// The first that is not.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let limits = self.dynamics.limits;
-        let step_s = self.step.as_secs_f64();
-        within("system_id", f64::from(self.system_id), 1.0, 250.0)?;
-        within("component_id", f64::from(self.component_id), 1.0, 255.0)?;
-        within("step_s", step_s, 1e-3, 1.0)?;
-        within("setpoint_timeout_s", self.setpoint_timeout_s, 0.0, 1e6)?;
-        within("loiter_radius_m", self.loiter_radius_m, 1.0, 1e5)?;
         if !self.start.is_finite() {
             return Err(SettingsError::StartNotFinite);
         }
-        within("start.speed_mps", self.start.speed_mps, limits.speed_min_mps, limits.speed_max_mps)?;
-        within("start.climb_mps", self.start.climb_mps, limits.climb_min_mps, limits.climb_max_mps)?;
+        self.check().into_iter().next().map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// Every setting that is out of its range.
+    pub fn check(&self) -> Vec<RangeError> {
+        let limits = self.dynamics.limits;
+        let mut ranges = Ranges::default();
+        ranges.whole("system_id", self.system_id.into(), 1, 250);
+        ranges.whole("component_id", self.component_id.into(), 1, 255);
+        ranges.within("step_s", self.step.as_secs_f64(), 1e-3, 1.0);
+        ranges.within("setpoint_timeout_s", self.setpoint_timeout_s, 0.0, 86_400.0);
+        ranges.within("loiter_radius_m", self.loiter_radius_m, 1.0, 10_000.0);
+        ranges.within("start.speed_mps", self.start.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
+        ranges.within("start.climb_mps", self.start.climb_mps, limits.climb_min_mps, limits.climb_max_mps);
+        ranges.extend(self.dynamics.check());
         let rates = self.rates;
-        let fastest_hz = self.fastest_hz();
         for (name, rate_hz) in [
             ("heartbeat_hz", rates.heartbeat_hz),
             ("raw_sensors_hz", rates.raw_sensors_hz),
@@ -240,11 +241,13 @@ impl VehicleSettings {
             ("attitude_hz", rates.attitude_hz),
             ("global_position_int_hz", rates.global_position_int_hz),
             ("vfr_hud_hz", rates.vfr_hud_hz),
+            ("extended_sys_state_hz", rates.extended_sys_state_hz),
+            ("home_position_hz", rates.home_position_hz),
             ("local_position_ned_hz", rates.local_position_ned_hz),
         ] {
-            within(name, rate_hz, 0.0, fastest_hz)?;
+            ranges.within(name, rate_hz, 0.0, self.fastest_hz());
         }
-        Ok(())
+        ranges.errors()
     }
 }
 
@@ -263,16 +266,11 @@ impl LockstepSettings {
         if period.is_zero() || !whole(step) || !whole(Duration::from_millis(1)) {
             return Err(SettingsError::Period { period, step });
         }
-        within("resend_after_s", self.resend_after.as_secs_f64(), 1e-3, 60.0)?;
-        within("resend_at_most_s", self.resend_at_most.as_secs_f64(), self.resend_after.as_secs_f64(), 60.0)
-    }
-}
-
-fn within(name: &'static str, value: f64, least: f64, most: f64) -> Result<(), SettingsError> {
-    if (least..=most).contains(&value) {
-        Ok(())
-    } else {
-        Err(SettingsError::Range { name, value, range: format!("[{least}, {most}]") })
+        let (least_s, most_s) = (self.resend_after.as_secs_f64(), self.resend_at_most.as_secs_f64());
+        let mut ranges = Ranges::default();
+        ranges.within("resend_after_s", least_s, 1e-3, 60.0);
+        ranges.within("resend_at_most_s", most_s, least_s, 60.0);
+        ranges.errors().into_iter().next().map_or(Ok(()), |error| Err(error.into()))
     }
 }
 
@@ -290,7 +288,12 @@ mod tests {
     fn a_bad_setting_is_named() {
         let fast = TelemetryRates { attitude_hz: 81.0, ..TelemetryRates::default() };
         let error = VehicleSettings { rates: fast, ..VehicleSettings::default() }.validate().unwrap_err();
-        assert_eq!(error.to_string(), "attitude_hz = 81 is outside [0, 80]");
+        assert_eq!(error.to_string(), "attitude_hz = 81: must be a number from 0 to 80");
+        let off =
+            TelemetryRates { extended_sys_state_hz: -1.0, home_position_hz: f64::NAN, ..TelemetryRates::default() };
+        let errors = VehicleSettings { rates: off, ..VehicleSettings::default() }.check();
+        let names: Vec<&str> = errors.iter().map(|error| error.name).collect();
+        assert_eq!(names, ["extended_sys_state_hz", "home_position_hz"]);
         let start = State { speed_mps: f64::NAN, ..VehicleSettings::default().start };
         let error = VehicleSettings { start, ..VehicleSettings::default() }.validate();
         assert_eq!(error, Err(SettingsError::StartNotFinite));

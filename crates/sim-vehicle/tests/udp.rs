@@ -202,7 +202,7 @@ async fn bad_hosts_are_refused_by_name() {
     let mut bad = fleet(2, None);
     bad[1].loiter_radius_m = -1.0;
     let any = HostSettings { base_port: 0, ..HostSettings::default() };
-    assert_eq!(refused(any, bad).to_string(), "vehicle 2: loiter_radius_m = -1 is outside [1, 100000]");
+    assert_eq!(refused(any, bad).to_string(), "vehicle 2: loiter_radius_m = -1: must be a number from 1 to 10000");
 }
 
 #[tokio::test]

@@ -1,22 +1,29 @@
-//! `columba check`: what is wrong with scenario files.
+//! `columba check`: what is wrong with scenario files and files of contenders.
 
 use super::Failure;
 use crate::args::{CheckArgs, Cli};
-use crate::config::{self, Overrides};
+use crate::config::{self, Checked};
+use crate::counted::counted;
 
 /// Checks every file, and says of each what it would fly or what is wrong.
 pub fn check(cli: &Cli, args: &CheckArgs) -> Result<(), Failure> {
     let mut faults = Vec::new();
     for path in &args.config {
-        match config::load(Some(path), &Overrides::default()) {
-            Ok(scenario) if !cli.quiet => super::print_line(format_args!(
-                "{}: good: {} UAVs, {} obstacles, {:.1} s",
+        match config::check_file(path) {
+            Ok(_) if cli.quiet => {}
+            Ok(Checked::Scenario(scenario)) => super::print_line(format_args!(
+                "{}: good: {}, {}, {:.1} s",
                 path.display(),
-                scenario.starts.len(),
-                scenario.obstacles.len(),
+                counted(scenario.starts.len(), "UAV"),
+                counted(scenario.obstacles.len(), "obstacle"),
                 scenario.duration.as_secs_f64()
             )),
-            Ok(_) => {}
+            Ok(Checked::Contenders(names)) => super::print_line(format_args!(
+                "{}: good: {}: {}",
+                path.display(),
+                counted(names.len(), "contender"),
+                names.join(", ")
+            )),
             Err(error) => faults.push(error.to_string()),
         }
     }

@@ -4,7 +4,7 @@ use super::{Failure, folder_refused, print_line, start_threads, stop_on_signal};
 use crate::args::{Cli, CompareArgs};
 use crate::compare::campaign::{self, Census, Crew};
 use crate::compare::{self, JOURNAL, Journal, JournalError, Plan, results};
-use crate::config::{self, Contender, Layer};
+use crate::config::{self, Contender};
 use crate::record::{RunFolder, holds_something};
 use anyhow::anyhow;
 use optimizer::{Algorithm, OptimizerSettings};
@@ -12,9 +12,8 @@ use std::path::PathBuf;
 
 /// Flies whatever is not flown yet, and writes the comparison's folder.
 pub fn compare(cli: &Cli, args: &CompareArgs) -> Result<(), Failure> {
-    let preset = args.preset.and_then(Layer::preset);
-    let changes: Vec<Layer> = preset.into_iter().chain(args.settings.iter().cloned()).collect();
-    let plan = Plan::new(&args.scenarios, &changes, &contenders(args)?, args.seeds.as_slice())?;
+    config::refuse_reserved(&cli.layers)?;
+    let plan = Plan::new(&args.scenarios, &cli.layers, &contenders(args)?, args.seeds.as_slice())?;
     let figure_seed = args.figure_seed.unwrap_or(plan.seeds[0]);
     start_threads(cli)?;
     let crew = Crew { threads: rayon::current_num_threads(), quiet: cli.quiet, stop: stop_on_signal()? };

@@ -2,7 +2,7 @@
 
 use super::{Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal};
 use crate::args::{Cli, FlyArgs};
-use crate::config::{self, GROUND_PORT, Overrides, Scenario};
+use crate::config::{self, GROUND_PORT, Scenario};
 use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Progress, RealTime};
 use anyhow::anyhow;
 use sim_vehicle::NETWORK_VEHICLES_MAX;
@@ -10,8 +10,7 @@ use std::net::SocketAddr;
 
 /// Flies the scenario with vehicles that run elsewhere and writes its folder.
 pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
-    let overrides = Overrides { vehicle_port: args.vehicle_port, ..args.flight.overrides() };
-    let scenario = config::load(args.config.as_deref(), &overrides)?;
+    let scenario = config::load(args.config.as_deref(), &cli.layers)?;
     let addresses = addresses(&scenario);
     if addresses.is_none() && scenario.starts.len() > NETWORK_VEHICLES_MAX {
         return Err(anyhow!(
@@ -28,7 +27,7 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
         let mut ground =
             GroundStation::bind(&scenario, address).map_err(|error| ground_port_refused(&scenario, error))?;
-        let folder = open_folder(&scenario, &args.flight)?;
+        let folder = open_folder(&scenario, &args.folder)?;
         ground.expect(scenario.starts.len(), addresses.as_deref());
         let ground_truth = GroundTruth::telemetry();
         let (flight, log) = if args.lockstep {
@@ -39,7 +38,7 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
         Ok((folder, flight, log))
     })?;
     drop(progress);
-    conclude(cli, &scenario, &folder, &flight, log, !args.flight.no_report)
+    conclude(cli, &scenario, &folder, &flight, log, !args.folder.no_report)
 }
 
 /// The vehicles' addresses, where the scenario names their first port.

@@ -15,13 +15,15 @@ pub use run::run;
 pub use suites::suites;
 pub use vehicles::vehicles;
 
-use crate::args::{Cli, FlightArgs};
+use crate::args::{Cli, FolderArgs};
 use crate::config::Scenario;
+use crate::counted::counted;
 use crate::flight::Flight;
 use crate::flying::{self, Log, Stop};
 use crate::record::{self, Occupied, RecordError, RunFolder};
 use crate::report;
 use anyhow::{Context, anyhow};
+use sim_vehicle::PortLayout;
 use std::fmt::Display;
 use std::future::Future;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -85,10 +87,10 @@ fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Resul
 }
 
 /// The run's folder, tried before the flight. Made last of all that can be refused, so that nothing is left of a run that is.
-fn open_folder(scenario: &Scenario, args: &FlightArgs) -> anyhow::Result<RunFolder> {
-    let occupied = occupied(args.out.is_some(), args.force);
+fn open_folder(scenario: &Scenario, args: &FolderArgs) -> anyhow::Result<RunFolder> {
+    let occupied = occupied(scenario.provenance.is_of_command_line("output.folder"), args.force);
     RunFolder::open(&scenario.folder, occupied)
-        .map_err(|error| folder_refused(&scenario.provenance.of("output.folder", "--out"), error))
+        .map_err(|error| folder_refused(&scenario.provenance.of("output.folder"), error))
 }
 
 /// What a command does with a folder that is not empty: nothing is overwritten without `--force`.
@@ -119,20 +121,20 @@ fn print_kept(folder: &RunFolder) {
 
 /// The controller's port that cannot be bound.
 fn ground_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
-    port_refused(scenario, "link.ground_port", "--ground-port", "a free port, or 0 for any", error.into())
+    port_refused(scenario, "link.ground_port", "a free port, or 0 for any", error.into())
 }
 
 /// Sees to it that the system lets this program open a port for each vehicle or group.
 fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
     /// What else is open: the terminal, the runtime, the ground's port, files of the run.
     const OTHERS: u64 = 64;
-    let needed = flying::ports(scenario) as u64 + OTHERS;
+    let needed = flying::sockets(scenario) as u64 + OTHERS;
     match rlimit::increase_nofile_limit(needed) {
         Ok(allowed) if allowed < needed => Err(anyhow!(
             "{} vehicles need {} ports, and the system allows {allowed} open files: must be at least {needed} \
              (ulimit -n {needed}), or fewer ports (--per-port N)",
             scenario.starts.len(),
-            flying::ports(scenario)
+            flying::sockets(scenario)
         )),
         // Where there is no such limit, or none can be found out, the ports will tell.
         _ => Ok(()),
@@ -141,25 +143,25 @@ fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
 
 /// A vehicle's port that cannot be bound.
 fn vehicle_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
+    if scenario.link.layout != PortLayout::Columba {
+        return port_refused(scenario, "link.instance", "an instance whose ports are free", error.into());
+    }
     let wanted = match flying::ports(scenario) {
         1 => "a free port, or 0 for any".to_owned(),
         count => format!("the first of {count} free ports in a row, or 0 for any"),
     };
-    port_refused(scenario, "link.vehicle_port", "--vehicle-port", &wanted, error.into())
+    port_refused(scenario, "link.vehicle_port", &wanted, error.into())
 }
 
-fn port_refused(scenario: &Scenario, key: &str, flag: &str, wanted: &str, error: anyhow::Error) -> anyhow::Error {
+fn port_refused(scenario: &Scenario, key: &str, wanted: &str, error: anyhow::Error) -> anyhow::Error {
     let no_such_host = error
         .chain()
         .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
         .any(|cause| cause.kind() == ErrorKind::AddrNotAvailable);
     if no_such_host {
-        return anyhow!(
-            "{}: {error}: must be an address of this machine",
-            scenario.provenance.of("link.host", "the file")
-        );
+        return anyhow!("{}: {error}: must be an address of this machine", scenario.provenance.of("link.host"));
     }
-    anyhow!("{}: {error}: must be {wanted}", scenario.provenance.of(key, flag))
+    anyhow!("{}: {error}: must be {wanted}", scenario.provenance.of(key))
 }
 
 /// To standard output. A reader that has gone away wants no more.
@@ -221,10 +223,10 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
     let metres = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.2} m"));
     let seconds = |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |value| format!("{value:.1} s"));
     print_line(format_args!(
-        "{}: {} UAVs, {} obstacles, {:.1} s flown in {:.2} s ({:.0} times real time, {})",
+        "{}: {}, {}, {:.1} s flown in {:.2} s ({:.0} times real time, {})",
         scenario.name,
-        summary.vehicles,
-        summary.obstacles,
+        counted(summary.vehicles, "UAV"),
+        counted(summary.obstacles, "obstacle"),
         summary.duration_s,
         summary.wall_s,
         summary.real_time_factor,

@@ -5,7 +5,7 @@ use super::{
     vehicle_port_refused,
 };
 use crate::args::{Cli, RunArgs, Transport};
-use crate::config::{self, Overrides, Scenario, VEHICLE_PORT};
+use crate::config::{self, Scenario, VEHICLE_PORT};
 use crate::flight::Flight;
 use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Log, Progress, RealTime, Stop};
 use crate::record::RunFolder;
@@ -18,8 +18,7 @@ use tokio::sync::{oneshot, watch};
 
 /// Flies the scenario and writes its folder.
 pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
-    let overrides = Overrides { vehicle_port: args.vehicle_port, ..args.flight.overrides() };
-    let scenario = config::load(args.config.as_deref(), &overrides)?;
+    let scenario = config::load(args.config.as_deref(), &cli.layers)?;
     if args.transport == Transport::Memory && args.speed.is_some() {
         return Err(anyhow!("--speed needs --transport udp: a run in memory has no clock").into());
     }
@@ -28,13 +27,13 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
     let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
     let (folder, flight, log) = match args.transport {
         Transport::Memory => {
-            let folder = open_folder(&scenario, &args.flight)?;
+            let folder = open_folder(&scenario, &args.folder)?;
             (folder, flying::fly_in_memory(&scenario, &progress, &stop)?, None)
         }
         Transport::Udp => over_udp(&scenario, args, &progress, stop)?,
     };
     drop(progress);
-    conclude(cli, &scenario, &folder, &flight, log, !args.flight.no_report)
+    conclude(cli, &scenario, &folder, &flight, log, !args.folder.no_report)
 }
 
 /// The vehicles on a thread of their own, the controller on this one.
@@ -92,7 +91,7 @@ async fn fly(
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Option<Log>)> {
-    let folder = open_folder(scenario, &args.flight)?;
+    let folder = open_folder(scenario, &args.folder)?;
     let (flight, log) = match args.speed {
         None => flying::fly(scenario, Lockstep::new(scenario, ground, ground_truth), progress, stop).await,
         Some(speed) => {

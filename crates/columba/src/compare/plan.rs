@@ -150,7 +150,7 @@ pub(super) mod tests {
 
     /// The paper's flight by these optimisers, changed as `--set` changes it.
     pub fn plan(names: &[&str], settings: &[&str], seeds: &[u64]) -> Result<Plan, PlanError> {
-        let settings: Vec<Layer> = settings.iter().map(|text| Layer::setting(text).unwrap()).collect();
+        let settings: Vec<Layer> = settings.iter().map(|text| crate::config::flags::setting(text).unwrap()).collect();
         let algorithms = [Algorithm::Mslpio, Algorithm::Mpio, Algorithm::Nsga2];
         let contenders = names.iter().zip(algorithms);
         let contenders: Vec<Contender> =

@@ -1,12 +1,18 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
+use super::airframe::AirframeKey;
 use super::obstacles::{ObstacleTable, ObstaclesTable};
 use super::parameters::ParametersTable;
 use super::swarm::Place;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
+use flight_model::{Dynamics, Limits, RangeError, TimeConstants};
+use mavlink_bridge::{ImpairmentSettings, MulticastScope};
 use optimizer::OptimizerSettings;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use sim_vehicle::{PortLayout, TelemetryRates, VehicleSettings};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// The whole file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -15,6 +21,9 @@ pub struct ScenarioFile {
     /// What the law, the weights and the look-ahead start from.
     #[serde(default)]
     pub preset: Preset,
+    /// What the dynamics start from; the paper's where absent.
+    #[serde(default)]
+    pub airframe: Option<AirframeKey>,
     /// What is flown, and for how long.
     pub scenario: ScenarioTable,
     /// What the flock is to settle on.
@@ -83,7 +92,7 @@ pub struct ScenarioTable {
     #[serde(default = "half")]
     pub control_period_s: f64,
     /// Seed of every random number.
-    #[serde(default = "one")]
+    #[serde(default = "one", deserialize_with = "seed")]
     pub seed: u64,
     /// Where on Earth the local frame is.
     #[serde(default)]
@@ -96,6 +105,31 @@ fn half() -> f64 {
 
 fn one() -> u64 {
     1
+}
+
+/// A whole number, or one in quotes: TOML's own end at 2^63.
+fn seed<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    struct Seed;
+    impl Visitor<'_> for Seed {
+        type Value = u64;
+
+        fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            formatter.write_str("u64")
+        }
+
+        fn visit_u64<E: Error>(self, seed: u64) -> Result<u64, E> {
+            Ok(seed)
+        }
+
+        fn visit_i64<E: Error>(self, seed: i64) -> Result<u64, E> {
+            u64::try_from(seed).map_err(|_| E::invalid_value(Unexpected::Signed(seed), &self))
+        }
+
+        fn visit_str<E: Error>(self, seed: &str) -> Result<u64, E> {
+            seed.parse().map_err(|_| E::invalid_type(Unexpected::Str(seed), &self))
+        }
+    }
+    deserializer.deserialize_any(Seed)
 }
 
 /// The local origin, WGS-84.
@@ -286,6 +320,28 @@ impl Default for DynamicsTable {
     }
 }
 
+impl DynamicsTable {
+    /// As the flight model has it.
+    pub fn dynamics(&self) -> Dynamics {
+        Dynamics {
+            time_constants: TimeConstants {
+                speed_s: self.speed_time_constant_s,
+                course_s: self.course_time_constant_s,
+                altitude_a_s: self.altitude_time_constant_a_s,
+                altitude_b_s: self.altitude_time_constant_b_s,
+            },
+            limits: Limits {
+                speed_min_mps: self.speed_min_mps,
+                speed_max_mps: self.speed_max_mps,
+                climb_min_mps: self.climb_min_mps,
+                climb_max_mps: self.climb_max_mps,
+                lateral_overload_max: self.lateral_overload_max,
+                gravity_mps2: self.gravity_mps2,
+            },
+        }
+    }
+}
+
 /// What a simulated vehicle does beside flying.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -294,6 +350,8 @@ pub struct AutopilotTable {
     pub setpoint_timeout_s: f64,
     /// Radius of the circle, m.
     pub loiter_radius_m: f64,
+    /// Airspeed of LOITER, RTL and AUTO, m/s; the present one where absent.
+    pub cruise_speed_mps: Option<f64>,
     /// Whether vehicles start armed; else they wait at their start until armed.
     pub armed: bool,
     /// Whether vehicles start on the ground, disarmed, instead of in the air.
@@ -302,9 +360,11 @@ pub struct AutopilotTable {
     pub personality: sim_vehicle::Personality,
     /// HEARTBEAT.
     pub heartbeat_hz: f64,
-    /// SYS_STATUS.
+    /// RAW_IMU and SCALED_PRESSURE.
+    pub raw_sensors_hz: f64,
+    /// SYS_STATUS, GPS_RAW_INT and MISSION_CURRENT.
     pub sys_status_hz: f64,
-    /// SYSTEM_TIME.
+    /// SYSTEM_TIME, WIND, BATTERY_STATUS and EKF_STATUS_REPORT.
     pub system_time_hz: f64,
     /// ATTITUDE.
     pub attitude_hz: f64,
@@ -312,28 +372,66 @@ pub struct AutopilotTable {
     pub global_position_int_hz: f64,
     /// VFR_HUD.
     pub vfr_hud_hz: f64,
+    /// EXTENDED_SYS_STATE.
+    pub extended_sys_state_hz: f64,
+    /// HOME_POSITION.
+    pub home_position_hz: f64,
     /// LOCAL_POSITION_NED.
     pub local_position_ned_hz: f64,
 }
 
 impl Default for AutopilotTable {
     fn default() -> Self {
-        let sim_vehicle::VehicleSettings { rates, setpoint_timeout_s, loiter_radius_m, .. } =
-            sim_vehicle::VehicleSettings::default();
+        let VehicleSettings { rates, setpoint_timeout_s, loiter_radius_m, .. } = VehicleSettings::default();
         Self {
             setpoint_timeout_s,
             loiter_radius_m,
+            cruise_speed_mps: None,
             armed: true,
             on_ground: false,
             personality: sim_vehicle::Personality::default(),
             heartbeat_hz: rates.heartbeat_hz,
+            raw_sensors_hz: rates.raw_sensors_hz,
             sys_status_hz: rates.sys_status_hz,
             system_time_hz: rates.system_time_hz,
             attitude_hz: rates.attitude_hz,
             global_position_int_hz: rates.global_position_int_hz,
             vfr_hud_hz: rates.vfr_hud_hz,
+            extended_sys_state_hz: rates.extended_sys_state_hz,
+            home_position_hz: rates.home_position_hz,
             local_position_ned_hz: rates.local_position_ned_hz,
         }
+    }
+}
+
+impl AutopilotTable {
+    /// The rates as a vehicle has them.
+    pub fn rates(&self) -> TelemetryRates {
+        TelemetryRates {
+            heartbeat_hz: self.heartbeat_hz,
+            raw_sensors_hz: self.raw_sensors_hz,
+            sys_status_hz: self.sys_status_hz,
+            system_time_hz: self.system_time_hz,
+            attitude_hz: self.attitude_hz,
+            global_position_int_hz: self.global_position_int_hz,
+            vfr_hud_hz: self.vfr_hud_hz,
+            extended_sys_state_hz: self.extended_sys_state_hz,
+            home_position_hz: self.home_position_hz,
+            local_position_ned_hz: self.local_position_ned_hz,
+        }
+    }
+
+    /// Every setting that is out of the range that a vehicle gives it, with an integration step in s.
+    pub fn check(&self, step_s: f64) -> Vec<RangeError> {
+        let settings = VehicleSettings {
+            rates: self.rates(),
+            setpoint_timeout_s: self.setpoint_timeout_s,
+            loiter_radius_m: self.loiter_radius_m,
+            // A step that is at fault itself has been told already.
+            step: Duration::try_from_secs_f64(step_s).unwrap_or(VehicleSettings::default().step),
+            ..VehicleSettings::default()
+        };
+        settings.check().into_iter().filter(|error| error.name != "step_s").collect()
     }
 }
 
@@ -350,6 +448,12 @@ pub struct LinkTable {
     pub vehicles_per_port: usize,
     /// Controller's port, to which vehicles send their telemetry. Where absent: 14550, or any free port for a run.
     pub ground_port: Option<u16>,
+    /// Which ports vehicles have.
+    pub ports: PortsKey,
+    /// With an autopilot's ports, the instance of the first vehicle.
+    pub instance: u16,
+    /// Whether vehicles are members of ArduPilot's multicast group too.
+    pub multicast: bool,
     /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
     /// Share of datagrams that are lost, each way.
@@ -364,6 +468,37 @@ pub struct LinkTable {
     pub jitter_ms: f64,
 }
 
+/// Which ports `columba vehicles` opens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum PortsKey {
+    /// UDP 14600 and up, as `vehicle_port` and `vehicles_per_port` say.
+    #[default]
+    Columba,
+    /// Those of ArduPilot's SITL: TCP 5760 + 10 i, telemetry to UDP 14550 + 10 i.
+    ArduPilot,
+    /// Those of PX4's SITL: UDP 14580 + i to 14540 + i, and 18570 + i to 14550.
+    Px4,
+}
+
+impl LinkTable {
+    /// The ports as a host has them.
+    pub fn layout(&self) -> PortLayout {
+        match self.ports {
+            PortsKey::Columba => PortLayout::Columba,
+            PortsKey::ArduPilot => PortLayout::ArduPilot { instance: self.instance },
+            PortsKey::Px4 => PortLayout::Px4 { instance: self.instance },
+        }
+    }
+
+    /// How far multicast reaches, if there is any: no further than the other ports.
+    pub fn multicast(&self) -> Option<MulticastScope> {
+        let is_local = self.host.parse().is_ok_and(|host: std::net::IpAddr| host.is_loopback());
+        self.multicast.then_some(if is_local { MulticastScope::Host } else { MulticastScope::Network })
+    }
+}
+
 /// How setpoints are written in real time; a lockstep run always uses the stamped local-ned form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -375,6 +510,19 @@ pub enum SetpointDialect {
     LocalNed,
 }
 
+impl LinkTable {
+    /// What spoils the link, the same each way.
+    pub fn impairment(&self) -> ImpairmentSettings {
+        ImpairmentSettings {
+            loss: self.loss,
+            duplication: self.duplication,
+            reordering: self.reordering,
+            delay_ms: self.delay_ms,
+            jitter_ms: self.jitter_ms,
+        }
+    }
+}
+
 impl Default for LinkTable {
     fn default() -> Self {
         Self {
@@ -382,6 +530,9 @@ impl Default for LinkTable {
             vehicle_port: None,
             vehicles_per_port: 1,
             ground_port: None,
+            ports: PortsKey::default(),
+            instance: 0,
+            multicast: false,
             setpoints: SetpointDialect::default(),
             loss: 0.0,
             duplication: 0.0,

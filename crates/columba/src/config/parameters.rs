@@ -1,10 +1,9 @@
 //! `[parameters]`: parameter files, and values by name.
 
-use super::ConfigError;
 use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use sim_vehicle::ParameterFile;
+use sim_vehicle::{ParameterFile, ParameterFileError};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -15,7 +14,7 @@ const FILES: &str = "files";
 /// The vehicles' parameters at the start.
 #[derive(Clone, Debug, Default)]
 pub struct ParametersTable {
-    /// Parameter files, relative to the scenario's; the last value of a name counts.
+    /// Parameter files; the last value of a name counts.
     pub files: Vec<PathBuf>,
     /// Values by name, which go before those of the files.
     pub values: BTreeMap<String, f64>,
@@ -24,11 +23,10 @@ pub struct ParametersTable {
 }
 
 impl ParametersTable {
-    /// Reads the files: those of the table, beside the scenario's file, and then those of `--defaults`.
-    pub(super) fn read(&mut self, folder: &Path, flags: &[PathBuf]) -> Result<(), ConfigError> {
-        let own = self.files.iter().map(|file| folder.join(file));
-        let paths: Vec<PathBuf> = own.chain(flags.iter().cloned()).collect();
-        self.read = ParameterFile::read(&paths).map_err(|error| ConfigError::new(vec![error.to_string()]))?;
+    /// Reads the files, which are relative to a folder.
+    pub(super) fn read(&mut self, folder: &Path) -> Result<(), ParameterFileError> {
+        let paths: Vec<PathBuf> = self.files.iter().map(|file| folder.join(file)).collect();
+        self.read = ParameterFile::read(&paths)?;
         Ok(())
     }
 }

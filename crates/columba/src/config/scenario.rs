@@ -1,14 +1,13 @@
 //! A checked scenario: what flies.
 
-use super::file::{AutopilotTable, Pattern, PatternTable, Preset, ScenarioFile, SetpointDialect};
+use super::file::{AutopilotTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
-use flight_model::{Dynamics, Geodetic, Limits, LocalFrame, State, TimeConstants};
-use mavlink_bridge::ImpairmentSettings;
-use optimizer::{Algorithm, OptimizerSettings};
-use sim_vehicle::{ParameterFile, Personality};
+use flight_model::{Dynamics, Geodetic, LocalFrame, State};
+use mavlink_bridge::{ImpairmentSettings, MulticastScope};
+use optimizer::OptimizerSettings;
+use sim_vehicle::{ParameterFile, PortLayout};
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -44,6 +43,8 @@ pub struct Scenario {
     pub optimizer: OptimizerSettings,
     /// What vehicles do beside flying.
     pub autopilot: AutopilotTable,
+    /// Parameter files widen the limits of the dynamics: they are of the vehicle that is to be flown, and not the paper's.
+    pub files_shape_limits: bool,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,
     /// Parameter files, over which these lie.
@@ -72,108 +73,14 @@ pub struct Link {
     pub vehicles_per_port: usize,
     /// Controller's port; 0: any free one. Each further network of vehicles has the next.
     pub ground_port: Option<u16>,
+    /// Which ports vehicles have.
+    pub layout: PortLayout,
+    /// Whether they are members of a multicast group too.
+    pub multicast: Option<MulticastScope>,
     /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
     /// The same each way.
     pub impairment: ImpairmentSettings,
-}
-
-/// What the command line changes of a file.
-#[derive(Clone, Debug, Default)]
-pub struct Overrides {
-    /// `--seed`.
-    pub seed: Option<u64>,
-    /// `--preset`.
-    pub preset: Option<Preset>,
-    /// `--optimizer`.
-    pub algorithm: Option<Algorithm>,
-    /// `--duration`, s.
-    pub duration_s: Option<f64>,
-    /// `--out`.
-    pub folder: Option<PathBuf>,
-    /// `--vehicle-port`.
-    pub vehicle_port: Option<u16>,
-    /// `--ground-port`.
-    pub ground_port: Option<u16>,
-    /// `--loss`, a share.
-    pub loss: Option<f64>,
-    /// `--count`: replaces the file's vehicles by so many in a pattern.
-    pub count: Option<usize>,
-    /// `--on-ground`.
-    pub on_ground: bool,
-    /// `--personality`.
-    pub personality: Option<Personality>,
-    /// `--pattern`: how they are laid out.
-    pub pattern: Option<Pattern>,
-    /// `--swarm`: replaces the file's vehicles by those of a swarm file.
-    pub swarm: Option<PathBuf>,
-    /// `--per-port`.
-    pub vehicles_per_port: Option<usize>,
-    /// `--param`, each NAME and value; the last of a name counts.
-    pub parameters: Vec<(String, f64)>,
-    /// `--defaults`: parameter files after those of the file.
-    pub parameter_files: Vec<PathBuf>,
-}
-
-impl Overrides {
-    /// The keys that are changed, each with the flag and the value that change it.
-    pub(super) fn flags(&self) -> Vec<(String, String)> {
-        fn flag(key: &str, name: &str, value: Option<impl Display>) -> Option<(String, String)> {
-            value.map(|value| (key.to_owned(), format!("{name} {value}")))
-        }
-        let swarm = self.swarm.as_ref().map(|file| file.display());
-        let parameters = self
-            .parameters
-            .iter()
-            .rev()
-            .map(|(name, value)| Some((format!("parameters.{name}"), format!("--param {name}={value}"))));
-        let folder = self.folder.as_ref().map(|folder| folder.display());
-        [
-            flag("scenario.seed", "--seed", self.seed),
-            flag("scenario.duration_s", "--duration", self.duration_s),
-            flag("output.folder", "--out", folder),
-            flag("link.vehicle_port", "--vehicle-port", self.vehicle_port),
-            flag("link.ground_port", "--ground-port", self.ground_port),
-            flag("link.vehicles_per_port", "--per-port", self.vehicles_per_port),
-            flag("link.loss", "--loss", self.loss),
-            flag("vehicles", "--count", self.count),
-            flag("vehicles.count", "--count", self.count),
-            flag("autopilot.personality", "--personality", self.personality),
-            flag("autopilot.on_ground", "--on-ground", self.on_ground.then_some("")),
-            flag("vehicles", "--swarm", swarm),
-        ]
-        .into_iter()
-        .chain(parameters)
-        .flatten()
-        .collect()
-    }
-
-    pub(super) fn apply(&self, file: &mut ScenarioFile) {
-        let replace = |value: &mut Option<u16>, with: Option<u16>| *value = with.or(*value);
-        replace(&mut file.link.vehicle_port, self.vehicle_port);
-        replace(&mut file.link.ground_port, self.ground_port);
-        file.autopilot.on_ground |= self.on_ground;
-        file.autopilot.personality = self.personality.unwrap_or(file.autopilot.personality);
-        file.scenario.seed = self.seed.unwrap_or(file.scenario.seed);
-        file.scenario.duration_s = self.duration_s.unwrap_or(file.scenario.duration_s);
-        file.preset = self.preset.unwrap_or(file.preset);
-        file.optimizer.algorithm = self.algorithm.unwrap_or(file.optimizer.algorithm);
-        file.link.loss = self.loss.unwrap_or(file.link.loss);
-        file.link.vehicles_per_port = self.vehicles_per_port.unwrap_or(file.link.vehicles_per_port);
-        file.parameters.values.extend(self.parameters.iter().cloned());
-        if self.count.is_some() || self.swarm.is_some() {
-            file.vehicle.clear();
-            file.vehicles.get_or_insert(PatternTable::DEFAULT);
-        }
-        let Some(table) = &mut file.vehicles else { return };
-        if let Some(swarm) = &self.swarm {
-            (table.pattern, table.file, table.count) = (Pattern::File, Some(swarm.clone()), None);
-        }
-        table.count = self.count.or(table.count);
-        if let Some(pattern) = self.pattern {
-            (table.pattern, table.file) = (pattern, None);
-        }
-    }
 }
 
 impl Scenario {
@@ -185,7 +92,9 @@ impl Scenario {
             altitude_m: file.flock.expected_altitude_m,
         };
         let origin = file.scenario.origin;
-        let folder = file.output.folder.clone().map_or_else(|| default_folder(&file.scenario.name), PathBuf::from);
+        // A path need not be text.
+        let folder = provenance.raw("output.folder").map(PathBuf::from);
+        let folder = folder.or_else(|| file.output.folder.clone().map(PathBuf::from));
         Self {
             starts: starts(&file, &expected),
             obstacles: file
@@ -204,10 +113,11 @@ impl Scenario {
                 altitude_amsl_m: origin.altitude_amsl_m,
             }),
             expected,
-            dynamics: dynamics(&file),
+            dynamics: file.dynamics.dynamics(),
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
+            files_shape_limits: file.airframe.as_ref().is_some_and(|airframe| !airframe.is_paper()),
             parameter_files: file.parameters.read,
             parameters: file.parameters.values.into_iter().map(|(name, value)| (name, value as f32)).collect(),
             link: Link {
@@ -215,16 +125,12 @@ impl Scenario {
                 vehicle_port: file.link.vehicle_port,
                 vehicles_per_port: file.link.vehicles_per_port,
                 ground_port: file.link.ground_port,
+                layout: file.link.layout(),
+                multicast: file.link.multicast(),
                 setpoints: file.link.setpoints,
-                impairment: ImpairmentSettings {
-                    loss: file.link.loss,
-                    duplication: file.link.duplication,
-                    reordering: file.link.reordering,
-                    delay_ms: file.link.delay_ms,
-                    jitter_ms: file.link.jitter_ms,
-                },
+                impairment: file.link.impairment(),
             },
-            folder,
+            folder: folder.unwrap_or_else(|| default_folder(&file.scenario.name)),
             provenance,
             name: file.scenario.name,
         }
@@ -259,38 +165,20 @@ fn starts(file: &ScenarioFile, expected: &Expected) -> Vec<State> {
         course_rad: flight_model::wrap_pi(course_deg.to_radians()),
         climb_mps: 0.0,
     };
+    // An airframe of its own starts as it cruises.
+    let cruise_speed_mps = file.airframe.as_ref().and(file.autopilot.cruise_speed_mps);
     match &file.vehicles {
         Some(pattern) => {
             let like = state(
                 0.0,
                 0.0,
                 pattern.altitude_m.unwrap_or(expected.altitude_m),
-                pattern.speed_mps.unwrap_or(expected.speed_mps),
+                pattern.speed_mps.or(cruise_speed_mps).unwrap_or(expected.speed_mps),
                 pattern.course_deg.unwrap_or(expected.course_rad.to_degrees()),
             );
             patterns::starts(pattern, &like, file.scenario.seed)
         }
         None => file.vehicle.iter().map(|v| state(v.x_m, v.y_m, v.altitude_m, v.speed_mps, v.course_deg)).collect(),
-    }
-}
-
-fn dynamics(file: &ScenarioFile) -> Dynamics {
-    let table = &file.dynamics;
-    Dynamics {
-        time_constants: TimeConstants {
-            speed_s: table.speed_time_constant_s,
-            course_s: table.course_time_constant_s,
-            altitude_a_s: table.altitude_time_constant_a_s,
-            altitude_b_s: table.altitude_time_constant_b_s,
-        },
-        limits: Limits {
-            speed_min_mps: table.speed_min_mps,
-            speed_max_mps: table.speed_max_mps,
-            climb_min_mps: table.climb_min_mps,
-            climb_max_mps: table.climb_max_mps,
-            lateral_overload_max: table.lateral_overload_max,
-            gravity_mps2: table.gravity_mps2,
-        },
     }
 }
 

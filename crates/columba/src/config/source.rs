@@ -1,13 +1,10 @@
 //! The text of a scenario file, and what stands where in it.
 
-use super::layer::{Layer, overlay};
-use super::refusal;
-use super::spot::{Found, Spot, key_at, line_at, misplaced_array, quote, shorten, spot};
-use serde::de::DeserializeOwned;
+use super::diagnostics;
+use super::locate::{line_at, shorten};
 use std::io::Read;
 use std::path::Path;
-use std::sync::Arc;
-use toml_edit::{Document, DocumentMut};
+use toml_edit::Document;
 
 /// What is wrong with a scenario: one line for each fault, which names file, line, key, value and what would be right.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +17,13 @@ impl ConfigError {
     pub(super) fn new(lines: Vec<String>) -> Self {
         Self { lines }
     }
+
+    /// Messages with their lines, in the order of these.
+    pub(super) fn in_order(mut lines: Vec<(usize, String)>) -> Self {
+        lines.sort_by_key(|(line, _)| *line);
+        lines.dedup();
+        Self { lines: lines.into_iter().map(|(_, message)| message).collect() }
+    }
 }
 
 /// A file's name and text.
@@ -27,31 +31,25 @@ impl ConfigError {
 pub struct Source {
     name: String,
     text: String,
-    /// Of a text that was laid together from several these, the uppermost first.
-    layers: Arc<[Layer]>,
+}
+
+/// A file as TOML, and the lines of it that are none.
+pub struct Parsed {
+    /// The file without those lines; none where nothing can be made of it.
+    pub document: Option<Document<String>>,
+    /// What is wrong with each of them, with its number.
+    pub errors: Vec<(usize, String)>,
 }
 
 /// Longer files are not scenarios: ten thousand vehicles need one megabyte.
 const BYTES_MAX: u64 = 32 << 20;
+/// So many lines that are no TOML are told; the rest of such a file says little.
+const SYNTAX_ERRORS_MAX: usize = 20;
 
 impl Source {
+    /// A file by its name and text.
     pub fn new(name: &str, text: &str) -> Self {
-        Self { name: name.to_owned(), text: text.to_owned(), layers: Arc::from([]) }
-    }
-
-    /// This file with layers over it, each over those before it. Faults of the file itself are told with the last layer's
-    /// name, for without it they are none.
-    pub fn with(&self, layers: &[&Layer]) -> Self {
-        let Some((ground, last)) = Layer::of_file(&self.name, &self.text, "", "", None).zip(layers.last()) else {
-            return self.clone();
-        };
-        let mut merged = DocumentMut::from(ground.table().clone());
-        for layer in layers {
-            overlay(merged.as_table_mut(), layer.table());
-        }
-        let ground = ground.told_with(last);
-        let uppermost_first = layers.iter().rev().copied().cloned().chain([ground]).collect();
-        Self { name: self.name.clone(), text: merged.to_string(), layers: uppermost_first }
+        Self { name: name.to_owned(), text: text.to_owned() }
     }
 
     /// Reads a file whole, unless it is no text; `kind` is what it should be.
@@ -65,7 +63,7 @@ impl Source {
         let read = std::fs::File::open(path).and_then(|file| file.take(BYTES_MAX + 1).read_to_end(&mut bytes));
         match read {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Err(refuse("there is no such file".to_owned()));
+                return Err(refuse("file not found".to_owned()));
             }
             Err(error) => return Err(refuse(format!("cannot be read: {error}"))),
             Ok(_) if bytes.len() as u64 > BYTES_MAX => {
@@ -93,69 +91,42 @@ impl Source {
         &self.text
     }
 
-    /// The document with its spans; a syntax error is told by line.
-    pub fn parsed(&self) -> Result<Document<&str>, ConfigError> {
-        Document::parse(self.text.as_str()).map_err(|error| {
+    /// The file as TOML. Lines that are none are told, and left out with what depends on them, so that the others can be
+    /// checked too.
+    pub fn parsed(&self) -> Parsed {
+        let mut lines: Vec<&str> = self.text.split('\n').collect();
+        let mut errors = Vec::new();
+        loop {
+            let error = match Document::parse(lines.join("\n")) {
+                Ok(document) => return Parsed { document: Some(document), errors },
+                Err(error) => error,
+            };
             let offset = error.span().map_or(0, |span| span.start);
-            let line = self.text.lines().nth(line_at(&self.text, offset) - 1).unwrap_or_default();
-            self.refuse_at(offset, &refusal::syntax(error.message(), &shorten(line)))
-        })
-    }
-
-    /// The file as a value of `T`; a syntax error, an unknown key or a wrong type is told by line.
-    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        let document = self.parsed()?;
-        let misplaced = misplaced_array(document.as_table(), "");
-        match (toml_edit::de::from_str(&self.text), misplaced) {
-            (Err(error), Some(_)) if refusal::is_unknown_key(error.message()) => {
-                Err(self.refuse_serde(&document, &error))
+            let text = lines.join("\n");
+            let at = line_at(&text, offset.min(text.len())).min(lines.len()) - 1;
+            let line = shorten(lines.get(at).copied().unwrap_or_default());
+            errors.push((at + 1, self.at_line(at + 1, &diagnostics::syntax(error.message(), &line))));
+            if errors.len() >= SYNTAX_ERRORS_MAX || line.is_empty() {
+                return Parsed { document: None, errors };
             }
-            (_, Some((key, span))) => {
-                Err(self.refuse_key(&key, span.start, &format!("{key}: {}", refusal::TABLE_ONCE)))
-            }
-            (Err(error), None) => Err(self.refuse_serde(&document, &error)),
-            (Ok(value), None) => Ok(value),
+            // Without its header, a table would be a part of the one before it.
+            let is_header = |line: &str| line.trim_start().starts_with('[');
+            let end = if is_header(lines[at]) {
+                lines[at + 1..].iter().position(|line| is_header(line)).map_or(lines.len(), |next| at + 1 + next)
+            } else {
+                at + 1
+            };
+            lines[at..end].fill("");
         }
     }
 
-    /// The document as it is written; empty where it is none.
-    pub fn written(&self) -> DocumentMut {
-        self.text.parse().unwrap_or_default()
+    fn at_line(&self, line: usize, message: &str) -> String {
+        format!("{}:{line}: {message}", self.name)
     }
 
-    /// The document with its spans; none where it is none.
-    pub fn document(&self) -> Option<Document<&str>> {
-        Document::parse(self.text.as_str()).ok()
-    }
-
-    /// Where a key such as `obstacle[2].radius_m` stands; rows are counted from one, as people and the report do.
-    pub fn find(&self, document: &Document<&str>, key: &str) -> Option<Found> {
-        if !self.layers.is_empty() {
-            return self.layers.iter().find_map(|layer| layer.find(key));
-        }
-        let Spot { span, is_value, .. } = spot(document.as_table(), key)?;
-        let line = line_at(&self.text, span.start);
-        Some(Found { place: format!("{}:{line}", self.name), line, value: is_value.then(|| quote(&self.text, span)) })
-    }
-
-    fn refuse_serde(&self, document: &Document<&str>, error: &toml_edit::de::Error) -> ConfigError {
-        let Some(span) = error.span() else {
-            return ConfigError::new(vec![format!("{}: {}", self.name, refusal::say(error.message(), "", ""))]);
-        };
-        let key = key_at(document.as_table(), &span, "").unwrap_or_default();
-        self.refuse_key(&key, span.start, &refusal::say(error.message(), &key, &quote(&self.text, span)))
-    }
-
-    /// A message of a key, at the place where that was written, be it in another text that was laid into this one.
-    fn refuse_key(&self, key: &str, offset: usize, message: &str) -> ConfigError {
-        match self.layers.iter().find_map(|layer| layer.find(key)) {
-            Some(found) => ConfigError::new(vec![format!("{}: {message}", found.place)]),
-            None => self.refuse_at(offset, message),
-        }
-    }
-
-    /// A message of what stands there.
-    pub fn refuse_at(&self, offset: usize, message: &str) -> ConfigError {
-        ConfigError::new(vec![format!("{}:{}: {message}", self.name, line_at(&self.text, offset))])
+    /// The line of an offset, and a message about what is there.
+    pub fn message_at(&self, offset: usize, message: &str) -> (usize, String) {
+        let line = line_at(&self.text, offset);
+        (line, self.at_line(line, message))
     }
 }

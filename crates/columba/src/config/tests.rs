@@ -1,6 +1,7 @@
 //! Tests of scenario files: what is refused, where, and in which words.
 
 use super::*;
+use crate::args::Cli;
 
 mod contenders;
 mod manual;
@@ -27,12 +28,18 @@ y_m = 8.0
 radius_m = 8.0
 "#;
 
-fn load_text(text: &str, overrides: &Overrides) -> Result<Scenario, String> {
-    parse(Source::new("field.toml", text), overrides).map_err(|error| error.to_string())
+fn load_text(text: &str, over: &[Layer]) -> Result<Scenario, String> {
+    parse(&Source::new("field.toml", text), over).map_err(|error| error.to_string())
+}
+
+/// What a command line lays over its file.
+fn flags(arguments: &str) -> Vec<Layer> {
+    let arguments = ["columba"].into_iter().chain(arguments.split(' '));
+    Cli::read(arguments).unwrap_or_else(|error| panic!("{error}")).layers
 }
 
 fn refusal_of(text: &str) -> String {
-    load_text(text, &Overrides::default()).expect_err(text)
+    load_text(text, &[]).expect_err(text)
 }
 
 /// `GOOD` with a line replaced.
@@ -48,8 +55,8 @@ fn and(more: &str) -> String {
 
 #[test]
 fn the_small_file_and_the_built_in_one_are_good() {
-    assert_eq!(load_text(GOOD, &Overrides::default()).unwrap().starts.len(), 1);
-    assert_eq!(load(None, &Overrides::default()).unwrap().starts.len(), 5);
+    assert_eq!(load_text(GOOD, &[]).unwrap().starts.len(), 1);
+    assert_eq!(load(None, &[]).unwrap().starts.len(), 5);
 }
 
 /// What is wrong, the line that the message names (0: none) and what it says.
@@ -305,39 +312,171 @@ fn of_very_many_faults_the_rest_is_counted() {
 #[test]
 fn a_value_from_the_command_line_is_blamed_on_its_flag() {
     let message =
-        |overrides: Overrides| load_text(&and("[link]\nvehicle_port = 14600"), &overrides).expect_err("refused");
-    let short = message(Overrides { duration_s: Some(0.1), ..Overrides::default() });
-    assert!(short.starts_with("--duration 0.1: must be a number from 0.5"), "{short}");
-    let loss = message(Overrides { loss: Some(2.0), ..Overrides::default() });
-    assert!(loss.starts_with("--loss 2: must be a number from 0 to 0.95"), "{loss}");
-    let port = message(Overrides { vehicle_port: Some(65_535), count: Some(9), ..Overrides::default() });
-    assert!(port.starts_with("--vehicle-port 65535: must be at most 65527 for 9 vehicles"), "{port}");
-    let ground = message(Overrides { ground_port: Some(14_600), ..Overrides::default() });
-    assert!(ground.starts_with("--ground-port 14600: must be none of the vehicles' ports"), "{ground}");
-    let count = message(Overrides { count: Some(0), ..Overrides::default() });
-    assert!(count.starts_with("--count 0: must be a whole number from 1 to 10000"), "{count}");
+        |arguments: &str| load_text(&and("[link]\nvehicle_port = 14600"), &flags(arguments)).expect_err(arguments);
+    for (arguments, told) in [
+        ("run --duration 0.1", "--duration 0.1: must be a number from 0.5"),
+        ("run --loss 2", "--loss 2: must be a number from 0 to 0.95"),
+        ("run --loss x", "--loss x: must be a number"),
+        ("run --seed -1", "--seed -1: must be a whole number, 0 or greater"),
+        ("fly --ground-port 70000", "--ground-port 70000: must be a whole number from 0 to 65535"),
+        ("vehicles --vehicle-port 65535 --count 9", "--vehicle-port 65535: must be at most 65527 for 9 vehicles"),
+        ("run --ground-port 14600", "--ground-port 14600: must be none of the vehicles' ports"),
+        ("vehicles --count 0", "--count 0: must be a whole number from 1 to 10000"),
+        ("run --host nowhere", "--host nowhere: must be an IP address"),
+        ("run --set law.formation_gain=-1", "--set law.formation_gain=-1: must be a number from 0 to 1000"),
+        ("run --set law.gain=1", "--set law.gain=1: unknown key: [law] has formation_gain"),
+        ("run --set laws.gain=1", "--set laws.gain=1: laws: unknown key: did you mean law?"),
+        (
+            "run --set scenario.origin={latitude_deg=99}",
+            "--set scenario.origin={latitude_deg=99}: scenario.origin.latitude_deg = 99: must be a number from -85 to 85",
+        ),
+    ] {
+        let message = message(arguments);
+        assert!(message.starts_with(told), "{arguments}: {message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
     // The obstacle stands where the pattern would put a vehicle.
-    let overrides = Overrides { count: Some(2), ..Overrides::default() };
-    let inside = load_text(&with("x_m = 70.0", "x_m = 0.0"), &overrides).expect_err("refused");
+    let inside = load_text(&with("x_m = 70.0", "x_m = 0.0"), &flags("vehicles --count 2")).expect_err("refused");
     assert!(inside.starts_with("--count 2: vehicle 2 at x_m = 0, y_m = 6: must be outside obstacle 1"), "{inside}");
 }
 
 #[test]
 fn a_fault_of_the_file_stays_the_files_beside_flags() {
-    let overrides = Overrides { duration_s: Some(4.0), loss: Some(0.1), ..Overrides::default() };
-    let message = load_text(&with("radius_m = 8.0", "radius_m = -8"), &overrides).expect_err("refused");
+    let message = load_text(&with("radius_m = 8.0", "radius_m = -8"), &flags("run --duration 4 --loss 0.1"))
+        .expect_err("refused");
     assert!(message.starts_with("field.toml:18: obstacle[1].radius_m = -8"), "{message}");
 }
 
 #[test]
+fn a_fault_that_a_layer_makes_of_the_file_names_both() {
+    let over = flags("run --set dynamics.speed_max_mps=9.5 --seed 3");
+    let message = load_text(GOOD, &over).expect_err("refused");
+    assert_eq!(
+        message,
+        "field.toml:6: with --set dynamics.speed_max_mps=9.5: flock.expected_speed_mps = 10.0: must be a number from 5 to 9.5\n\
+         field.toml:13: with --set dynamics.speed_max_mps=9.5: vehicle[1].speed_mps = 10.0: must be a number from 5 to 9.5"
+    );
+}
+
+#[test]
 fn a_port_is_traced_to_the_flag_the_line_or_the_default() {
-    let of = |text: &str, overrides: Overrides| {
-        load_text(text, &overrides).unwrap().provenance.of("link.ground_port", "--ground-port")
-    };
+    let of =
+        |text: &str, arguments: &str| load_text(text, &flags(arguments)).unwrap().provenance.of("link.ground_port");
     let written = and("[link]\nground_port = 14550");
-    assert_eq!(of(&written, Overrides { ground_port: Some(9), ..Overrides::default() }), "--ground-port 9");
-    assert_eq!(of(&written, Overrides::default()), "field.toml:20: link.ground_port = 14550");
-    assert_eq!(of(GOOD, Overrides::default()), "link.ground_port (by default; --ground-port sets it)");
+    assert_eq!(of(&written, "run --ground-port 9"), "--ground-port 9");
+    assert_eq!(of(&written, "run --set link.ground_port=9"), "--set link.ground_port=9");
+    assert_eq!(of(&written, "run"), "field.toml:20: link.ground_port = 14550");
+    assert_eq!(of(GOOD, "run"), "link.ground_port (by default; --ground-port sets it)");
+}
+
+/// The order of precedence, whatever the order of writing: the preset, the file, --set, flags.
+#[test]
+fn layers_have_one_order_of_precedence() {
+    let text = with("duration_s = 2.0", "duration_s = 2.0\nseed = 2");
+    let seed = |arguments: &str| load_text(&text, &flags(arguments)).unwrap().seed;
+    assert_eq!(seed("run"), 2);
+    assert_eq!(seed("run --set scenario.seed=3"), 3);
+    assert_eq!([seed("run --seed 4 --set scenario.seed=3"), seed("run --set scenario.seed=3 --seed 4")], [4, 4]);
+    assert_eq!(seed("run --set scenario.seed=5 --set scenario.seed=6"), 6, "the last counts");
+    assert_eq!(seed("run --seed 18446744073709551615"), u64::MAX);
+    let horizon_s =
+        |file: &str, arguments: &str| load_text(&and(file), &flags(arguments)).unwrap().controller.look_ahead.horizon_s;
+    assert_eq!(horizon_s("", "run"), 3.0);
+    assert_eq!(horizon_s("", "run --preset literal"), 1e-3);
+    assert_eq!(
+        horizon_s("[look_ahead]\nhorizon_s = 2.0", "run --preset literal"),
+        2.0,
+        "the preset is beneath the file"
+    );
+    for arguments in
+        ["run --preset literal --set look_ahead.horizon_s=4", "run --set look_ahead.horizon_s=4 --preset literal"]
+    {
+        assert_eq!(horizon_s("[look_ahead]\nhorizon_s = 2.0", arguments), 4.0);
+    }
+}
+
+#[test]
+fn starts_by_a_pattern_and_one_by_one_take_each_others_place() {
+    assert_eq!(load_text(GOOD, &flags("run --set vehicles.count=4")).unwrap().starts.len(), 4);
+    assert_eq!(load_text(GOOD, &flags("run --set obstacles.count=3")).unwrap().obstacles.len(), 3);
+}
+
+#[test]
+fn a_value_of_a_preset_is_told_as_the_presets() {
+    let message = load_text(GOOD, &flags("run --preset paper --set weights.min=50")).expect_err("refused");
+    assert_eq!(
+        message,
+        "field.toml: with --set weights.min=50: weights.max = 3.0 (by preset \"paper\"): must be a number greater than 50 \
+         and at most 100"
+    );
+}
+
+/// Faults of every kind in one file: each is told, and nothing that follows from another.
+#[test]
+fn every_fault_of_a_file_is_told() {
+    let text = "[scenario]\nduration_s = \"long\"\nseeed = 3\n\n[flock]\nexpected_speed_mps = 10.0\n\n[[vehicle]]\nx_m = 0\n\
+                y_m = 0\naltitude_m = 50\nspeed_mps = 99\n[[vehicle]]\nx_m = 40\ny_m = 0\naltitude_m = 50\nspeed_mps = 10\n\
+                [[vehicle]]\nx_m = 40.5\ny_m = 0\naltitude_m = 50\nspeed_mps = 10\n[[obstacle]]\nx_m = 1\ny_m = true\n\
+                [optimizer]\nmslpio = { velocity_limit = 7, social_coefficient = -1 }\n[link]\nhost = 3\nloss = 2\n[law]\n\
+                obstacle_rule = \"any\"\n[parameters]\nNO_SUCH = 1\n[lnk]\nx = 1\n";
+    let message = refusal_of(text);
+    let told: Vec<(usize, &str)> = message
+        .lines()
+        .map(|line| {
+            let mut parts = line.strip_prefix("field.toml:").unwrap().splitn(2, ": ");
+            (parts.next().unwrap().parse().unwrap(), parts.next().unwrap())
+        })
+        .collect();
+    let expected = [
+        (1, "scenario: the key name is missing"),
+        (2, "scenario.duration_s = \"long\": must be a number"),
+        (3, "scenario.seeed: unknown key"),
+        (5, "flock: the key expected_altitude_m is missing"),
+        (12, "vehicle[1].speed_mps = 99: must be a number from 5 to 15"),
+        (23, "obstacle[1]: the key radius_m is missing"),
+        (25, "obstacle[1].y_m = true: must be a number"),
+        (27, "optimizer.mslpio.social_coefficient = -1: must be a number from 0 to 1000"),
+        (27, "optimizer.mslpio.velocity_limit = 7: must be above 0"),
+        (29, "link.host = 3: must be a text in quotes"),
+        (30, "link.loss = 2: must be a number from 0 to 0.95"),
+        (32, "law.obstacle_rule = \"any\": must be \"blocking\" or \"nearest\""),
+        (35, "lnk: unknown key: did you mean link?"),
+    ];
+    let is_told = |(line, words): &(usize, &str)| {
+        told.iter().any(|(told_line, told_words)| told_line == line && told_words.starts_with(words))
+    };
+    for fault in &expected {
+        assert!(is_told(fault), "{fault:?} is not in\n{message}");
+    }
+    assert_eq!(told.len(), expected.len(), "{message}");
+}
+
+#[test]
+fn faults_beside_a_start_in_anothers_place_are_told_with_it() {
+    let vehicle = "[[vehicle]]\nx_m = 0.5\ny_m = 0\naltitude_m = 50\nspeed_mps = 10\n[law]\nsafe_distance_m = 0";
+    let message = refusal_of(&and(vehicle));
+    let lines: Vec<&str> = message.lines().collect();
+    assert!(lines[0].starts_with("field.toml:19: vehicle 2 at x_m = 0.5, y_m = 0: must be at least 1 m"), "{message}");
+    assert!(lines[1].starts_with("field.toml:25: law.safe_distance_m = 0: must be"), "{message}");
+    assert_eq!(lines.len(), 2);
+}
+
+#[test]
+fn several_lines_that_are_no_toml_are_told_with_the_faults_of_the_others() {
+    let text =
+        with("duration_s = 2.0", "duration_s = wide").replace("x_m = 70.0", "x_m 70.0").replace("[flock]", "[flock")
+            + "[law]\nsafe_distance_m = 0\n";
+    let message = refusal_of(&text);
+    let lines: Vec<&str> = message.lines().collect();
+    assert_eq!(lines.len(), 4, "{message}");
+    for (line, told) in lines.iter().zip([
+        "field.toml:3: `duration_s = wide`: must have a number",
+        "field.toml:5: `[flock`: unclosed table",
+        "field.toml:16: `x_m 70.0`: ",
+        "field.toml:20: law.safe_distance_m = 0: must be",
+    ]) {
+        assert!(line.starts_with(told), "{message}");
+    }
 }
 
 #[test]
@@ -348,21 +487,20 @@ fn a_preset_is_the_base_of_what_the_tables_write() {
             Some(_) => format!("preset = \"literal\"\n{law}\n{GOOD}"),
             None => format!("preset = \"literal\"\n{GOOD}{law}\n"),
         };
-        let settings = load_text(&text, &Overrides::default()).unwrap().controller;
+        let settings = load_text(&text, &[]).unwrap().controller;
         assert_eq!(settings.law, controller::LawSettings { formation_gain: 0.3, ..literal.law.clone() });
         assert_eq!((settings.weights, settings.look_ahead), (literal.weights.clone(), literal.look_ahead.clone()));
     }
     // A table that is written back to its default is not the preset's any more.
     let text = format!("preset = \"literal\"\n{GOOD}[law]\nobstacle_rule = \"blocking\"\n");
-    let law = load_text(&text, &Overrides::default()).unwrap().controller.law;
+    let law = load_text(&text, &[]).unwrap().controller.law;
     assert_eq!(law.obstacle_rule, controller::ObstacleRule::Blocking);
     assert_eq!(law.obstacle_margin_m, literal.law.obstacle_margin_m);
 }
 
 #[test]
 fn a_preset_of_the_command_line_stands_in_for_the_files() {
-    let overrides = Overrides { preset: Some(Preset::Paper), ..Overrides::default() };
-    let scenario = load_text(&format!("preset = \"literal\"\n{GOOD}"), &overrides).unwrap();
+    let scenario = load_text(&format!("preset = \"literal\"\n{GOOD}"), &flags("run --preset paper")).unwrap();
     assert_eq!(scenario.preset, Preset::Paper);
     assert_eq!(scenario.controller, controller::ControllerSettings::paper());
 }
@@ -381,7 +519,7 @@ fn patterns_place_as_many_as_asked_and_apart() {
             let text = format!(
                 "{no_vehicle}[vehicles]\ncount = {count}\npattern = \"{pattern}\"\nx_m = -500.0\ncourse_deg = 30.0\n"
             );
-            let starts = load_text(&text, &Overrides::default()).unwrap().starts;
+            let starts = load_text(&text, &[]).unwrap().starts;
             assert_eq!(starts.len(), count);
             let (ahead_x, ahead_y) = (libm::cos(30f64.to_radians()), libm::sin(30f64.to_radians()));
             for (index, a) in starts.iter().enumerate() {
@@ -407,15 +545,15 @@ proptest::proptest! {
     /// Whatever a file holds, it is a scenario or a message; never a panic.
     #[test]
     fn no_text_is_more_than_refused(text in "[\\[\\]a-z_=\".0-9\n -]{0,200}") {
-        let _ = load_text(&text, &Overrides::default());
-        let _ = load_text(&and(&text), &Overrides::default());
+        let _ = load_text(&text, &[]);
+        let _ = load_text(&and(&text), &[]);
     }
 
     /// Cutting a good file anywhere gives a scenario or one message with a line or none.
     #[test]
     fn no_truncated_file_is_more_than_refused(length in 0..PAPER.len()) {
         if let Some(text) = PAPER.get(..length)
-            && let Err(message) = load_text(text, &Overrides::default())
+            && let Err(message) = load_text(text, &[])
         {
             proptest::prop_assert!(message.starts_with("field.toml"), "{}", message);
         }

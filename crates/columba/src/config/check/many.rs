@@ -1,8 +1,9 @@
 //! What many vehicles need: places enough in their file, ports enough for them, parameters that each of them takes.
 
-use super::{COUNT_MAX, Faults};
+use super::COUNT_MAX;
 use crate::config::Scenario;
-use crate::config::file::{Pattern, PatternTable, ScenarioFile};
+use crate::config::fault::Faults;
+use crate::config::file::{LinkTable, Pattern, PatternTable, PortsKey, ScenarioFile};
 use sim_vehicle::{NETWORK_VEHICLES_MAX, ParameterFault, VehicleSettings, port_index};
 use std::collections::BTreeSet;
 
@@ -44,6 +45,10 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
     if !(1..=NETWORK_VEHICLES_MAX).contains(&link.vehicles_per_port) || !(1..=COUNT_MAX).contains(&count) {
         return;
     }
+    if link.ports != PortsKey::Columba {
+        autopilots_ports(link, count, faults);
+        return;
+    }
     let needed = port_index(count - 1, link.vehicles_per_port) + 1;
     let networks = count.div_ceil(NETWORK_VEHICLES_MAX);
     if let Some(port) = link.ground_port.filter(|&port| usize::from(port) + networks > 65_536) {
@@ -65,6 +70,25 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
     }
 }
 
+/// The ports of an autopilot are what they are, and each vehicle is alone on its own.
+fn autopilots_ports(link: &LinkTable, count: usize, faults: &mut Faults) {
+    const INSTANCE_MAX: usize = 5_000;
+    faults.whole("link.instance", link.instance.into(), 0, INSTANCE_MAX);
+    for (key, port) in [("link.vehicle_port", link.vehicle_port), ("link.ground_port", link.ground_port)] {
+        if let Some(port) = port {
+            faults.add(key, port, "left out: link.ports says which ports there are, and link.instance where they begin");
+        }
+    }
+    if link.vehicles_per_port > 1 {
+        faults.add("link.vehicles_per_port", link.vehicles_per_port, "1: link.ports gives each vehicle its own ports");
+    }
+    let most = link.layout().vehicles_max();
+    if count > most {
+        let wanted = format!("must be at most {most}: these ports are enough for no more");
+        faults.add_subject("link.ports", format!("{count} vehicles"), wanted);
+    }
+}
+
 /// Parameters that the vehicles have, with values that they take.
 pub fn parameters(scenario: &Scenario, vehicles: &[VehicleSettings], faults: &mut Faults) {
     if scenario.parameters.is_empty() && scenario.parameter_files.is_empty() {
@@ -82,7 +106,7 @@ pub fn parameters(scenario: &Scenario, vehicles: &[VehicleSettings], faults: &mu
                 continue;
             }
             match place {
-                Some(place) => faults.add_elsewhere(place.to_string(), format!("{name} = {value}"), wanted),
+                Some(place) => faults.add_placed([(0, format!("{place}: {name} = {value}: must be {wanted}"))]),
                 None => faults.add(format!("parameters.{name}"), value, wanted),
             }
         }

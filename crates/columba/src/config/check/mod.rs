@@ -1,93 +1,31 @@
-//! What a scenario must hold: the range of every setting, and what no single setting shows.
+//! What a scenario must hold: the ranges of the program's own settings, those that other crates give for theirs, and what
+//! no single setting shows.
 
 mod many;
 
 pub use many::parameters;
 
 use super::Scenario;
+use super::fault::Faults;
 use super::file::ScenarioFile;
 use super::obstacles::ObstaclesTable;
 use crate::judge::COLLISION_DISTANCE_M;
-use std::fmt::Display;
-
-/// Everything that is wrong.
-#[derive(Default)]
-pub struct Faults {
-    pub list: Vec<Fault>,
-}
-
-/// One thing that is wrong.
-pub struct Fault {
-    /// As `table.key` or `table[2].key`, counted from one.
-    pub key: String,
-    /// The setting's value.
-    pub value: String,
-    /// What is at fault, where that is more than the key and its value.
-    pub subject: Option<String>,
-    /// What would be right, as `must be ...`.
-    pub wanted: String,
-    /// The line of another file that is at fault.
-    pub place: Option<String>,
-}
+use controller::LookAheadSettings;
+use optimizer::OptimizerSettings;
 
 /// Greatest length in a scenario, m: what single precision on the wire resolves to a centimetre.
 const LENGTH_MAX_M: f64 = 100_000.0;
 /// Control periods, s.
 const PERIODS_S: std::ops::RangeInclusive<f64> = 0.001..=10.0;
-/// Longest look-ahead, s, and in control periods.
-const HORIZON_MAX_S: f64 = 60.0;
+/// Longest look-ahead in control periods.
 const HORIZON_PERIODS_MAX: f64 = 3_000.0;
 
 /// Most vehicles of a scenario, and most obstacles.
 pub const COUNT_MAX: usize = 10_000;
 /// Longest flight, s.
-pub const DURATION_MAX_S: f64 = 86_400.0;
+const DURATION_MAX_S: f64 = 86_400.0;
 /// Most rows of a trajectory, which a flight keeps in memory: two gigabytes.
 const ROWS_MAX: f64 = 2e7;
-/// Greatest share of datagrams lost, duplicated or reordered: a link that loses everything would wait for ever.
-pub const SHARE_MAX: f64 = 0.95;
-
-impl Faults {
-    /// A setting with a wrong value.
-    fn add(&mut self, key: impl Into<String>, value: impl Display, wanted: impl Display) {
-        let wanted = format!("must be {wanted}");
-        self.list.push(Fault { key: key.into(), value: value.to_string(), subject: None, wanted, place: None });
-    }
-
-    /// A fault that is not of one setting alone.
-    fn add_subject(&mut self, key: impl Into<String>, subject: impl Into<String>, wanted: impl Into<String>) {
-        let subject = Some(subject.into());
-        self.list.push(Fault { key: key.into(), value: String::new(), subject, wanted: wanted.into(), place: None });
-    }
-
-    /// A fault in a line of another file than the scenario's.
-    fn add_elsewhere(&mut self, place: String, subject: String, wanted: impl Display) {
-        let wanted = format!("must be {wanted}");
-        let fault =
-            Fault { key: String::new(), value: String::new(), subject: Some(subject), wanted, place: Some(place) };
-        self.list.push(fault);
-    }
-
-    /// `low..=high`; where these are settings at fault themselves, their own messages are enough.
-    fn within(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
-        if low <= high && !(low..=high).contains(&value) {
-            self.add(key, value, format!("a number from {low} to {high}"));
-        }
-    }
-
-    /// Above `low`, up to `high`; as [`within`](Self::within).
-    fn above(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
-        if low <= high && !(value > low && value <= high) {
-            self.add(key, value, format!("a number greater than {low} and at most {high}"));
-        }
-    }
-
-    fn whole(&mut self, key: impl Into<String>, value: usize, low: usize, high: usize) {
-        if !(low..=high).contains(&value) {
-            self.add(key, value, format!("a whole number from {low} to {high}"));
-        }
-    }
-}
 
 /// The range of every setting.
 pub fn tables(file: &ScenarioFile, faults: &mut Faults) {
@@ -95,7 +33,7 @@ pub fn tables(file: &ScenarioFile, faults: &mut Faults) {
     vehicles(file, faults);
     controller(file, faults);
     optimizer(file, faults);
-    dynamics(file, faults);
+    faults.add_ranges("dynamics", file.dynamics.dynamics().check());
     autopilot_and_link(file, faults);
 }
 
@@ -120,7 +58,10 @@ fn scenario(file: &ScenarioFile, faults: &mut Faults) {
             format!("a multiple of dynamics.integration_step_s = {step_s}"),
         );
     }
-    if period_s <= 10.0 && !(period_s..=DURATION_MAX_S).contains(&table.duration_s) {
+    if period_s <= 10.0
+        && !faults.stands_in("scenario.control_period_s")
+        && !(period_s..=DURATION_MAX_S).contains(&table.duration_s)
+    {
         let wanted = format!("a number from {period_s}, one scenario.control_period_s, to {DURATION_MAX_S}");
         faults.add("scenario.duration_s", table.duration_s, wanted);
     }
@@ -231,107 +172,74 @@ fn too_many() -> String {
 }
 
 fn controller(file: &ScenarioFile, faults: &mut Faults) {
-    let law = &file.law;
-    for (key, value, high) in [
-        ("law.formation_gain", law.formation_gain, 1e3),
-        ("law.collision_gain", law.collision_gain, 1e9),
-        ("law.obstacle_gain", law.obstacle_gain, 1e3),
-        ("law.neighbour_velocity_gain", law.neighbour_velocity_gain, 1e3),
-        ("law.vertical_velocity_gain", law.vertical_velocity_gain, 1e3),
-        ("law.altitude_gain", law.altitude_gain, 1e3),
-        ("law.obstacle_margin_m", law.obstacle_margin_m, 100.0),
-        ("law.influence_factor", law.influence_factor, 1e3),
-        ("law.velocity_cost_s", law.velocity_cost_s, 1e3),
-        ("weights.min", file.weights.min, 100.0),
-    ] {
-        faults.within(key, value, 0.0, high);
-    }
-    for (key, value, high) in [
-        ("law.communication_distance_m", law.communication_distance_m, 1_000.0),
-        ("law.desired_distance_m", law.desired_distance_m, 1_000.0),
-        ("law.safe_distance_m", law.safe_distance_m, 1_000.0),
-        ("law.perception_distance_m", law.perception_distance_m, 10_000.0),
-        ("look_ahead.horizon_s", file.look_ahead.horizon_s, HORIZON_MAX_S),
-        ("look_ahead.separation_m", file.look_ahead.separation_m, 1_000.0),
-    ] {
-        faults.above(key, value, 0.0, high);
-    }
+    faults.add_ranges("law", file.law.check());
+    faults.add_ranges("weights", file.weights.check());
+    faults.add_ranges("look_ahead", file.look_ahead.check());
     let periods_s = HORIZON_PERIODS_MAX * file.scenario.control_period_s;
     let horizon_s = file.look_ahead.horizon_s;
     // A period or a horizon that is at fault itself has been told already.
-    let both_in_range = PERIODS_S.contains(&file.scenario.control_period_s) && horizon_s <= HORIZON_MAX_S;
-    if both_in_range && horizon_s > periods_s {
+    let both_in_range =
+        PERIODS_S.contains(&file.scenario.control_period_s) && horizon_s <= LookAheadSettings::HORIZON_MAX_S;
+    if both_in_range && horizon_s > periods_s && !faults.stands_in("scenario.control_period_s") {
         let wanted = format!("at most {HORIZON_PERIODS_MAX} control periods, {periods_s} s: every pigeon flies it");
         faults.add("look_ahead.horizon_s", horizon_s, wanted);
     }
-    faults.above("weights.max", file.weights.max, file.weights.min, 100.0);
-    faults.within("look_ahead.clearance_m", file.look_ahead.clearance_m, 0.0, 100.0);
-    faults.whole("look_ahead.neighbours_max", file.look_ahead.neighbours_max, 1, 64);
 }
 
+/// An optimiser tells the first of its settings that is out of range: with the default in its place, the next.
 fn optimizer(file: &ScenarioFile, faults: &mut Faults) {
-    let Err((algorithm, error)) = file.optimizer.validate() else { return };
-    let wanted =
-        if error.range.starts_with("from") { format!("a number {}", error.range) } else { error.range.to_owned() };
-    faults.add(format!("optimizer.{}.{}", algorithm.key(), error.setting), error.value, wanted);
+    let mut settings = file.optimizer;
+    while let Err((algorithm, error)) = settings.validate() {
+        let wanted =
+            if error.range.starts_with("from") { format!("a number {}", error.range) } else { error.range.to_owned() };
+        let key = format!("optimizer.{}.{}", algorithm.key(), error.setting);
+        let seen = faults.tells(&key);
+        faults.add(&key, error.value, wanted);
+        match with_default(settings, algorithm.key(), error.setting) {
+            Some(repaired) if !seen => settings = repaired,
+            _ => break,
+        }
+    }
 }
 
-fn dynamics(file: &ScenarioFile, faults: &mut Faults) {
-    let table = &file.dynamics;
-    for (key, value) in [
-        ("dynamics.speed_time_constant_s", table.speed_time_constant_s),
-        ("dynamics.course_time_constant_s", table.course_time_constant_s),
-        ("dynamics.altitude_time_constant_a_s", table.altitude_time_constant_a_s),
-        ("dynamics.altitude_time_constant_b_s", table.altitude_time_constant_b_s),
-    ] {
-        faults.within(key, value, 0.02, 60.0);
-    }
-    faults.within("dynamics.speed_min_mps", table.speed_min_mps, 0.1, 300.0);
-    faults.above("dynamics.speed_max_mps", table.speed_max_mps, table.speed_min_mps, 300.0);
-    faults.within("dynamics.climb_min_mps", table.climb_min_mps, -100.0, -0.1);
-    faults.within("dynamics.climb_max_mps", table.climb_max_mps, 0.1, 100.0);
-    faults.within("dynamics.lateral_overload_max", table.lateral_overload_max, 0.1, 20.0);
-    faults.within("dynamics.gravity_mps2", table.gravity_mps2, 1.0, 20.0);
+fn with_default(settings: OptimizerSettings, algorithm: &str, setting: &str) -> Option<OptimizerSettings> {
+    let mut json = serde_json::to_value(settings).ok()?;
+    let default = serde_json::to_value(OptimizerSettings::default()).ok()?;
+    *json.get_mut(algorithm)?.get_mut(setting)? = default.get(algorithm)?.get(setting)?.clone();
+    serde_json::from_value(json).ok()
 }
 
 fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
-    let (autopilot, link) = (&file.autopilot, &file.link);
-    faults.within("autopilot.setpoint_timeout_s", autopilot.setpoint_timeout_s, 0.0, 86_400.0);
-    faults.within("autopilot.loiter_radius_m", autopilot.loiter_radius_m, 1.0, 10_000.0);
-    let rate_max_hz = 0.8 / file.dynamics.integration_step_s;
-    for (key, value) in [
-        ("autopilot.heartbeat_hz", autopilot.heartbeat_hz),
-        ("autopilot.sys_status_hz", autopilot.sys_status_hz),
-        ("autopilot.system_time_hz", autopilot.system_time_hz),
-        ("autopilot.attitude_hz", autopilot.attitude_hz),
-        ("autopilot.global_position_int_hz", autopilot.global_position_int_hz),
-        ("autopilot.vfr_hud_hz", autopilot.vfr_hud_hz),
-        ("autopilot.local_position_ned_hz", autopilot.local_position_ned_hz),
-    ] {
-        if rate_max_hz > 0.0 && !(0.0..=rate_max_hz).contains(&value) {
-            let wanted = format!("a number from 0 to {rate_max_hz}, 0.8 for each dynamics.integration_step_s");
-            faults.add(key, value, wanted);
-        }
+    let link = &file.link;
+    if let Some(speed_mps) = file.autopilot.cruise_speed_mps {
+        let (slowest, fastest) = (file.dynamics.speed_min_mps, file.dynamics.speed_max_mps);
+        faults.within("autopilot.cruise_speed_mps", speed_mps, slowest, fastest);
+    }
+    for error in file.autopilot.check(file.dynamics.integration_step_s) {
+        let why = if error.name.ends_with("_hz") { ", 0.8 for each dynamics.integration_step_s" } else { "" };
+        faults.add(format!("autopilot.{}", error.name), error.value, format!("{}{why}", error.range));
     }
     if link.host.parse::<std::net::IpAddr>().is_err() {
         faults.add("link.host", format!("{:?}", link.host), "an IP address, such as 127.0.0.1");
     }
     many::ports(file, faults);
-    for (key, value) in
-        [("link.loss", link.loss), ("link.duplication", link.duplication), ("link.reordering", link.reordering)]
-    {
-        faults.within(key, value, 0.0, SHARE_MAX);
-    }
-    faults.within("link.delay_ms", link.delay_ms, 0.0, 60_000.0);
-    faults.within("link.jitter_ms", link.jitter_ms, 0.0, 60_000.0);
+    faults.add_ranges("link", link.impairment().check());
     if file.output.folder.as_deref().is_some_and(|folder| folder.trim().is_empty()) {
         faults.add("output.folder", "\"\"", "a folder's name");
     }
 }
 
-/// No two vehicles in one place, none inside a circle, none out of reach.
+/// No two vehicles in one place, none inside a circle, none out of reach. Rows that are at fault themselves are left out.
 pub fn starts(scenario: &Scenario, by_pattern: bool, faults: &mut Faults) {
+    let at_fault = |table: &str, count: usize, faults: &Faults| -> Vec<bool> {
+        (1..=count).map(|number| !faults.is_empty() && faults.is_within(&format!("{table}[{number}]"))).collect()
+    };
+    let vehicles_at_fault = at_fault("vehicle", scenario.starts.len(), faults);
+    let obstacles_at_fault = at_fault("obstacle", scenario.obstacles.len(), faults);
     let mut add = |index: usize, wanted: String| {
+        if vehicles_at_fault[index] {
+            return;
+        }
         let start = &scenario.starts[index];
         let key = if by_pattern { "vehicles".to_owned() } else { format!("vehicle[{}]", index + 1) };
         // Hundredths are enough to find a vehicle of a pattern.
@@ -350,7 +258,7 @@ pub fn starts(scenario: &Scenario, by_pattern: bool, faults: &mut Faults) {
                 break;
             }
             let distance_m = (dx * dx + dy * dy).sqrt();
-            if distance_m < COLLISION_DISTANCE_M {
+            if distance_m < COLLISION_DISTANCE_M && !vehicles_at_fault[a.min(b)] {
                 let wanted = format!(
                     "must be at least {COLLISION_DISTANCE_M} m from vehicle {}, which starts {distance_m:.2} m away",
                     a.min(b) + 1
@@ -365,7 +273,7 @@ pub fn starts(scenario: &Scenario, by_pattern: bool, faults: &mut Faults) {
         }
         for (number, obstacle) in scenario.obstacles.iter().enumerate() {
             let clearance_m = obstacle.clearance_m(start.x_m, start.y_m);
-            if clearance_m <= 0.0 {
+            if clearance_m <= 0.0 && !obstacles_at_fault[number] {
                 let inside_m = -clearance_m;
                 add(
                     index,

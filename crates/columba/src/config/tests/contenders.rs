@@ -15,7 +15,8 @@ fn read(text: &str) -> Result<Vec<Contender>, String> {
 
 fn entry(text: &str, settings: &[&str]) -> Result<Scenario, String> {
     let contenders = read(&format!("[[contender]]\nname = \"near\"\n{text}"))?;
-    let settings: Vec<Layer> = settings.iter().map(|text| Layer::setting(text)).collect::<Result<_, _>>()?;
+    let settings: Vec<Layer> = settings.iter().map(|text| flags::setting(text)).collect::<Result<_, _>>()?;
+    refuse_reserved(&settings).map_err(|error| error.to_string())?;
     let entries = Entry::of_all(None, &settings, &contenders).map_err(|error| error.to_string())?;
     entries[0].scenario(5).map_err(|error| error.to_string())
 }
@@ -56,11 +57,11 @@ fn rows_of_a_list_take_the_place_of_all_rows() {
 
 #[test]
 fn laying_nothing_over_any_example_changes_nothing() {
-    let nothing = Layer::of_flag("--set", "").unwrap();
+    let nothing = Layer::of_flag("--set", "", "").unwrap();
     for name in ["paper.toml", "random12.toml", "hundred.toml"] {
         let ground = Source::read(&folder().join(name), "a scenario").unwrap();
-        let (there, _) = tables(ground.clone(), &Overrides::default()).unwrap();
-        let (laid, _) = tables(ground.with(&[&nothing]), &Overrides::default()).unwrap();
+        let (there, _) = tables(&ground, &[]).unwrap();
+        let (laid, _) = tables(&ground, &[&nothing]).unwrap();
         assert_eq!(serde_json::to_string(&there).unwrap(), serde_json::to_string(&laid).unwrap(), "{name}");
     }
 }
@@ -108,10 +109,10 @@ fn a_fault_is_told_at_the_contenders_own_line() {
         ),
         ("scenario.seed = 2", &[], "few.toml:3: contender \"near\": scenario.seed: must be left out: --seeds says"),
         ("[contender.scenario]\nname = \"x\"", &[], "few.toml:4: contender \"near\": scenario.name: must be left out"),
-        ("", &["law.formation_gain=-1"], "--set: law.formation_gain = -1: must be a number from 0 to 1000"),
-        ("", &["law.gain=1"], "--set: law.gain: unknown key"),
-        ("", &["law.formation_gain=much"], "--set: law.formation_gain = \"much\": must be a number"),
-        ("", &["scenario.seed=1"], "--set: scenario.seed: must be left out"),
+        ("", &["law.formation_gain=-1"], "--set law.formation_gain=-1: must be a number from 0 to 1000"),
+        ("", &["law.gain=1"], "--set law.gain=1: unknown key"),
+        ("", &["law.formation_gain=much"], "--set law.formation_gain=much: must be a number"),
+        ("", &["scenario.seed=1"], "--set scenario.seed=1: must be left out: --seeds says"),
     ] {
         let refused = entry(text, settings).map(|_| ()).unwrap_err();
         assert!(refused.starts_with(told), "{text} {settings:?}\n{refused}");
@@ -141,9 +142,9 @@ fn every_contender_that_is_none_is_told_by_line() {
 #[test]
 fn a_setting_has_a_key_and_a_value() {
     for text in ["", "=", "law", "law.formation_gain", "law.formation_gain=", "a b=1", "[law]\na=1", "=1"] {
-        assert!(Layer::setting(text).unwrap_err().starts_with("must be KEY=VALUE"), "{text}");
+        assert!(flags::setting(text).unwrap_err().starts_with("must be KEY=VALUE"), "{text}");
     }
     for text in ["preset=paper", "preset = \"paper\"", "law.formation_gain=1e-3", "scenario.origin={latitude_deg=3}"] {
-        assert!(Layer::setting(text).is_ok(), "{text}");
+        assert!(flags::setting(text).is_ok(), "{text}");
     }
 }

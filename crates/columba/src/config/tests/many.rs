@@ -12,20 +12,20 @@ const SWARM: &str = "#instance=East,North,Up(Offset in meters),Absolute Heading\
                      3=-20,-20,0,225\n4=-80,0,20,0\n5=0,-100,-10,0\n";
 
 /// What a scenario beside a swarm file becomes.
-fn load_swarm(swarm: &str, table: &str, overrides: &Overrides) -> Result<Scenario, String> {
+fn load_swarm(swarm: &str, table: &str, over: &[Layer]) -> Result<Scenario, String> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("swarm.txt"), swarm).unwrap();
     let scenario = folder.path().join("field.toml");
     fs::write(&scenario, format!("{}{table}\n", no_vehicle())).unwrap();
     let place = format!("{}/", folder.path().display());
-    load(Some(&scenario), overrides).map_err(|error| error.to_string().replace(&place, ""))
+    load(Some(&scenario), over).map_err(|error| error.to_string().replace(&place, ""))
 }
 
 const BY_FILE: &str = "[vehicles]\npattern = \"file\"\nfile = \"swarm.txt\"";
 
 #[test]
 fn a_swarm_file_places_every_vehicle() {
-    let scenario = load_swarm(SWARM, BY_FILE, &Overrides::default()).unwrap();
+    let scenario = load_swarm(SWARM, BY_FILE, &[]).unwrap();
     let place = |start: &flight_model::State| {
         (start.y_m, start.x_m, start.altitude_m, start.course_rad.to_degrees().round(), start.speed_mps)
     };
@@ -40,10 +40,8 @@ fn a_swarm_file_places_every_vehicle() {
             (0.0, -100.0, 40.0, 0.0, 10.0),
         ]
     );
-    let some = Overrides { count: Some(2), ..Overrides::default() };
-    assert_eq!(load_swarm(SWARM, BY_FILE, &some).unwrap().starts, scenario.starts[..2]);
-    let moved =
-        load_swarm("7 = 0, 0, 0, 0 # the only one", &format!("{BY_FILE}\nx_m = 5\ny_m = -3"), &Overrides::default());
+    assert_eq!(load_swarm(SWARM, BY_FILE, &flags("vehicles --count 2")).unwrap().starts, scenario.starts[..2]);
+    let moved = load_swarm("7 = 0, 0, 0, 0 # the only one", &format!("{BY_FILE}\nx_m = 5\ny_m = -3"), &[]);
     assert_eq!(place(&moved.unwrap().starts[0]), (-3.0, 5.0, 50.0, 0.0, 10.0));
 }
 
@@ -61,7 +59,7 @@ fn a_swarm_file_is_refused_by_line_column_and_value() {
         ("# nobody", "swarm.txt: holds no vehicle"),
         ("1=0,0,0,0\n2=0.5,0,0,0", "vehicle 2 at x_m = 0, y_m = 0.5: must be at least 1 m from vehicle 1"),
     ] {
-        let message = load_swarm(swarm, BY_FILE, &Overrides::default()).unwrap_err();
+        let message = load_swarm(swarm, BY_FILE, &[]).unwrap_err();
         assert!(message.contains(words), "{swarm:?}: {message}");
     }
     for (table, words) in [
@@ -71,12 +69,9 @@ fn a_swarm_file_is_refused_by_line_column_and_value() {
             "[vehicles]\ncount = 6\npattern = \"file\"\nfile = \"swarm.txt\"",
             "vehicles.count = 6: must be at most 5: swarm.txt starts no more vehicles",
         ),
-        (
-            "[vehicles]\npattern = \"file\"\nfile = \"absent.txt\"",
-            "absent.txt: there is no such file: must be a swarm file",
-        ),
+        ("[vehicles]\npattern = \"file\"\nfile = \"absent.txt\"", "absent.txt: file not found: must be a swarm file"),
     ] {
-        let message = load_swarm(SWARM, table, &Overrides::default()).unwrap_err();
+        let message = load_swarm(SWARM, table, &[]).unwrap_err();
         assert!(message.contains(words), "{table}: {message}");
     }
 }
@@ -86,13 +81,18 @@ fn flags_stand_in_for_the_files_vehicles() {
     let folder = tempfile::tempdir().unwrap();
     let swarm = folder.path().join("swarm.txt");
     fs::write(&swarm, SWARM).unwrap();
-    let flags = |count| Overrides { swarm: Some(swarm.clone()), count, ..Overrides::default() };
-    assert_eq!(load_text(GOOD, &flags(None)).unwrap().starts.len(), 5);
-    assert_eq!(load_text(GOOD, &flags(Some(3))).unwrap().starts.len(), 3);
-    let message = load_text(GOOD, &flags(Some(6))).unwrap_err();
+    let by_swarm = |more: &str| flags(&format!("vehicles --swarm {}{more}", swarm.display()));
+    assert_eq!(load_text(GOOD, &by_swarm("")).unwrap().starts.len(), 5);
+    assert_eq!(load_text(GOOD, &by_swarm(" --count 3")).unwrap().starts.len(), 3);
+    let message = load_text(GOOD, &by_swarm(" --count 6")).unwrap_err();
     assert!(message.starts_with("--count 6: must be at most 5: "), "{message}");
-    let line = Overrides { count: Some(4), pattern: Some(Pattern::Line), ..Overrides::default() };
-    assert!(load_text(GOOD, &line).unwrap().starts.iter().all(|start| start.x_m == 0.0));
+    assert!(
+        load_text(GOOD, &flags("vehicles --count 4 --pattern line"))
+            .unwrap()
+            .starts
+            .iter()
+            .all(|start| start.x_m == 0.0)
+    );
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn ports_of_groups_and_networks_are_counted() {
         (10_000, "vehicle_port = 2000\nground_port = 1960\nvehicles_per_port = 250"),
         (3, "vehicle_port = 2000\nground_port = 2003"),
     ] {
-        let scenario = load_text(&many(count, link), &Overrides::default());
+        let scenario = load_text(&many(count, link), &[]);
         assert_eq!(scenario.unwrap_or_else(|error| panic!("{link}: {error}")).starts.len(), count);
     }
 }
@@ -134,10 +134,10 @@ fn parameters_are_refused_by_line_or_flag() {
         let message = refusal_of(&and(&format!("[parameters]\nRTL_RADIUS = 50\n{line}")));
         assert_eq!(message, format!("field.toml:21: {words}"));
     }
-    let flags = |name: &str, value| Overrides { parameters: vec![(name.to_owned(), value)], ..Overrides::default() };
-    let message = load_text(&and("[parameters]\nRTL_RADIUS = 50"), &flags("RTL_RADIUS", 1e6)).unwrap_err();
+    let table = and("[parameters]\nRTL_RADIUS = 50");
+    let message = load_text(&table, &flags("vehicles --param RTL_RADIUS=1000000")).unwrap_err();
     assert_eq!(message, "--param RTL_RADIUS=1000000: must be a number from -32767 to 32767");
-    let scenario = load_text(&and("[parameters]\nRTL_RADIUS = 50"), &flags("WP_RADIUS", 20.0)).unwrap();
+    let scenario = load_text(&table, &flags("vehicles --param WP_RADIUS=20")).unwrap();
     assert_eq!(
         scenario.parameters.into_iter().collect::<Vec<_>>(),
         [("RTL_RADIUS".into(), 50.0), ("WP_RADIUS".into(), 20.0)]

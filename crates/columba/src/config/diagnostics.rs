@@ -1,4 +1,6 @@
-//! What the TOML reader says of a file, said again for whoever wrote the file.
+//! What the TOML reader says of a file, said again for the author of the file.
+
+use super::fault::Subject;
 
 /// Of a table that is written as an array.
 pub const TABLE_ONCE: &str = "must not be an array: only [[vehicle]] and [[obstacle]] are, of tables; every other table is written once, as [name]";
@@ -26,31 +28,41 @@ pub fn syntax(message: &str, line: &str) -> String {
     format!("`{line}`: {message}{wanted}")
 }
 
-/// A message about `key`, at which `written` stands, as one line. What is not recognised is passed on as it came.
-pub fn say(message: &str, key: &str, written: &str) -> String {
+/// The key that a table lacks, if that is what a message says.
+pub fn missing_key(message: &str) -> Option<&str> {
+    message.trim().strip_prefix("missing field `")?.split('`').next()
+}
+
+/// The key that was meant by an unknown one, if a message is of one and another is like it.
+pub fn meant_key(message: &str, key: &str) -> Option<String> {
+    let known: Vec<&str> = message.split('`').skip(3).step_by(2).filter(|_| is_unknown_key(message)).collect();
+    let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let meant = nearest(name, &known)?;
+    Some(if table.is_empty() { meant.to_owned() } else { format!("{table}.{meant}") })
+}
+
+/// What of `key`, at which `written` stands, a message is about, and what would be right, as one line. What is not
+/// recognised is passed on as it came.
+pub fn say(message: &str, key: &str, written: &str) -> (Subject, String) {
     let message = message.trim();
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let value = Subject::Value(written.to_owned());
     match names.split_first() {
-        Some((_, known)) if is_unknown_key(message) => unknown_key(key, known),
+        Some((_, known)) if is_unknown_key(message) => (Subject::Key, unknown_key(key, known)),
         Some((name, known)) if message.starts_with("unknown variant") => {
             let quoted: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
             let meant = nearest(name, known).map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default();
-            format!("{key} = {written}: must be {}{meant}", one_of(&quoted))
+            (value, format!("must be {}{meant}", one_of(&quoted)))
         }
-        Some((name, _)) if message.starts_with("missing field") => missing(key, name),
         _ => match message.rsplit_once(", expected ") {
             // The quotation would be a header.
             Some((_, expected)) if message.starts_with("invalid") && written.starts_with('[') => {
-                format!("{key}: must be {}", wanted(key, expected))
+                (Subject::Key, format!("must be {}", wanted(key, expected)))
             }
             Some((_, expected)) if message.starts_with("invalid") => {
-                format!("{key} = {written}: must be {}", wanted(key, expected))
+                (value, format!("must be {}", wanted(key, expected)))
             }
-            _ => {
-                let (key, message) =
-                    (if key.is_empty() { String::new() } else { format!("{key}: ") }, message.replace('\n', "; "));
-                format!("{key}{message}")
-            }
+            _ => (Subject::Key, message.replace('\n', "; ")),
         },
     }
 }
@@ -63,15 +75,7 @@ fn unknown_key(key: &str, known: &[&str]) -> String {
         Some((list, _)) => format!("[[{list}]]"),
         None => format!("[{table}]"),
     };
-    format!("{key}: unknown key: {meant}{holder} has {}", known.join(", "))
-}
-
-fn missing(key: &str, name: &str) -> String {
-    match name {
-        // The file itself lacks a table; the reader then points at whatever comes first.
-        "scenario" | "flock" => format!("the table [{name}] is missing"),
-        _ => format!("{key}: the key {name} is missing"),
-    }
+    format!("unknown key: {meant}{holder} has {}", known.join(", "))
 }
 
 /// What serde expects, in the words of a file.
@@ -89,7 +93,8 @@ fn wanted(key: &str, expected: &str) -> String {
     }
 }
 
-fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+/// The name that was meant, if one is like it.
+pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let rated = known.iter().map(|known| (strsim::jaro_winkler(name, known), *known));
     rated.filter(|(alike, _)| *alike >= ALIKE).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
 }

@@ -1,24 +1,13 @@
-//! Where in a text a key stands, and what is written there.
+//! Where in a text a key is, and what is written there.
 
 use std::ops::Range;
 use toml_edit::{Array, ArrayOfTables, Item, TableLike, Value};
-
-/// Where a key stands.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Found {
-    /// With what a message of it begins: file and line, or the flag that set it.
-    pub place: String,
-    /// Its line, counted from one; that of the nearest table that would hold it, where it is absent.
-    pub line: usize,
-    /// Its value as it is written; none where the key is absent or a table.
-    pub value: Option<String>,
-}
 
 /// Of a value that is quoted in a message, no more than this.
 const QUOTED_CHARS_MAX: usize = 60;
 
 /// Where in a text a key stands.
-pub struct Spot {
+pub struct Location {
     /// Of the key; of the nearest table that would hold it, where it is absent.
     pub span: Range<usize>,
     /// Whether the key is there.
@@ -28,7 +17,7 @@ pub struct Spot {
 }
 
 /// Where a key stands below a table that was parsed with its spans; none where not even a table on its way is there.
-pub fn spot(table: &dyn TableLike, key: &str) -> Option<Spot> {
+pub fn locate(table: &dyn TableLike, key: &str) -> Option<Location> {
     let mut table = table;
     let mut found = None;
     let mut parts = key.split('.').peekable();
@@ -42,7 +31,7 @@ pub fn spot(table: &dyn TableLike, key: &str) -> Option<Spot> {
         let is_there = parts.peek().is_none();
         // A table that is only implied, by a dotted key, stands nowhere itself.
         if let Some(span) = row.as_ref().map_or_else(|| item.span(), |row| row.span.clone()) {
-            found = Some(Spot { span, is_there, is_value: is_there && row.is_none() });
+            found = Some(Location { span, is_there, is_value: is_there && row.is_none() });
         }
         let Some(row) = row else { break };
         table = row.table;
@@ -115,14 +104,14 @@ pub fn key_at(table: &dyn TableLike, wanted: &Range<usize>, path: &str) -> Optio
 }
 
 /// An array where no scenario has one. Serde would take it for a table, its values by their order.
-pub fn misplaced_array(table: &dyn TableLike, path: &str) -> Option<(String, Range<usize>)> {
+pub fn misplaced_array(table: &dyn TableLike, path: &str) -> Option<String> {
     for (name, item) in table.iter() {
         let path = join(path, name);
         let is_list = path == "vehicle" || path == "obstacle";
         let all_tables = item.as_array().is_none_or(|array| array.iter().all(Value::is_inline_table));
         let is_files = path == "parameters.files" && item.is_array();
         if (item.is_array() || item.is_array_of_tables()) && !(is_list && all_tables) && !is_files {
-            return Some((path, item.span().unwrap_or_default()));
+            return Some(path);
         }
         for (path, row) in rows(&path, item) {
             if let Some(misplaced) = misplaced_array(row.table, &path) {
