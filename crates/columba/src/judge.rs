@@ -129,12 +129,11 @@ impl Judge {
 
     /// The verdict on all that was judged so far.
     pub fn verdict(&self) -> Verdict {
-        let (ahead_x, ahead_y) = self.expected.direction();
-        let along = |x_m: f64, y_m: f64| x_m * ahead_x + y_m * ahead_y;
+        let ahead = self.expected.direction();
         let last_edge_m = self
             .obstacles
             .iter()
-            .map(|circle| along(circle.x_m, circle.y_m) + circle.radius_m)
+            .map(|circle| circle.centre_m().dot(&ahead) + circle.radius_m)
             .fold(f64::NEG_INFINITY, f64::max);
         let [speed, course, altitude] = self.outside_s;
         // Outside at the very end is not converged; never outside is converged from the start.
@@ -142,7 +141,7 @@ impl Judge {
             if self.last.iter().any(|state| self.deviates(state)[kind]) { None } else { Some(last.unwrap_or(0.0)) }
         };
         Verdict {
-            passed_last_obstacle: self.last.iter().filter(|state| along(state.x_m, state.y_m) > last_edge_m).count(),
+            passed_last_obstacle: self.last.iter().filter(|state| state.position_m().dot(&ahead) > last_edge_m).count(),
             speed_convergence_s: converged(0, speed),
             course_convergence_s: converged(1, course),
             altitude_settling_s: converged(2, altitude),
@@ -212,7 +211,7 @@ impl Judge {
     fn judge_obstacles(&mut self, tracks: &[Vec<State>], step: usize, at_s: f64, minima: &mut Minima) {
         for (vehicle, track) in tracks.iter().enumerate() {
             for (number, obstacle) in self.obstacles.iter().enumerate() {
-                let clearance_m = obstacle.clearance_m(track[step].x_m, track[step].y_m);
+                let clearance_m = obstacle.clearance_m(track[step].position_m());
                 minima.clearance_m = minima.clearance_m.min(clearance_m);
                 if self.verdict.clearance.is_none_or(|least| clearance_m < least.value_m) {
                     self.verdict.clearance = Some(Least { value_m: clearance_m, at_s, whose: vehicle });
@@ -249,8 +248,7 @@ impl Judge {
 }
 
 fn distance_m(a: &State, b: &State) -> f64 {
-    let (dx, dy) = (a.x_m - b.x_m, a.y_m - b.y_m);
-    (dx * dx + dy * dy).sqrt()
+    (a.position_m() - b.position_m()).norm()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! How calmly and how closely a flock flew: total variation of speed and course, and the flock's radius.
 
 use flight_model::{State, wrap_pi};
+use nalgebra::Vector2;
 
 /// Gathers a flight's smoothness, integration step by integration step.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,11 +51,8 @@ impl Smoothness {
 /// The mean distance to the centre.
 fn radius_m<'a>(states: impl ExactSizeIterator<Item = &'a State> + Clone) -> f64 {
     let share = 1.0 / states.len().max(1) as f64;
-    let x_m = share * states.clone().map(|state| state.x_m).sum::<f64>();
-    let y_m = share * states.clone().map(|state| state.y_m).sum::<f64>();
-    let distance_m =
-        |state: &State| ((state.x_m - x_m) * (state.x_m - x_m) + (state.y_m - y_m) * (state.y_m - y_m)).sqrt();
-    share * states.map(distance_m).sum::<f64>()
+    let centre_m = states.clone().fold(Vector2::zeros(), |sum, state| sum + state.position_m()) * share;
+    share * states.map(|state| (state.position_m() - centre_m).norm()).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ fn gaps_of_the_second_field_let_a_uav_through() {
     for (index, a) in scenario.obstacles.iter().enumerate() {
         assert!((4.0..=14.0).contains(&a.radius_m));
         for b in &scenario.obstacles[..index] {
-            assert!(a.clearance_m(b.x_m, b.y_m) - b.radius_m >= 14.0, "obstacle {}", index + 1);
+            assert!(a.clearance_m(b.centre_m()) - b.radius_m >= 14.0, "obstacle {}", index + 1);
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Eq. 2: from the control demand to the inputs of the three autopilots, bounded by what they can fly.
+//! Eq. 2: from the control demand to the setpoints of the three autopilots, bounded by what they can fly.
 
 use crate::polynomial::SINCOS_RANGE_RAD;
-use crate::vector::Vec2;
 use crate::{AltitudeLaw, LawSettings, terms};
 use flight_model::{Dynamics, State};
+use nalgebra::Vector2;
 
 /// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
 const PRINTED_ALTITUDE_PERIOD_MAX_S: f64 = 0.2;
@@ -48,9 +48,9 @@ impl Commander {
     ///
     /// The course line uses tau_V as printed (reading 4). The demand is bounded to the speeds of the vehicle and to the
     /// course change whose turn rate it can fly (reading 7), so prediction and vehicle never meet their limits.
-    pub fn horizontal(&self, demand_mps2: Vec2, speed_mps: f64, heading: Vec2) -> (f64, f64) {
-        let along_mps2 = demand_mps2.dot(heading);
-        let across_mps2 = heading.cross(demand_mps2);
+    pub fn horizontal(&self, demand_mps2: Vector2<f64>, speed_mps: f64, heading: Vector2<f64>) -> (f64, f64) {
+        let along_mps2 = demand_mps2.dot(&heading);
+        let across_mps2 = heading.perp(&demand_mps2);
         let setpoint_mps =
             (speed_mps + self.speed_time_constant_s * along_mps2).clamp(self.speed_min_mps, self.speed_max_mps);
         let turning_speed_mps = speed_mps.max(self.speed_min_mps);
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn demands_are_bounded_by_what_the_vehicle_flies() {
         let commander = Commander::new(&LawSettings::default(), &Dynamics::default(), 0.5);
-        let (speed_mps, change_rad) = commander.horizontal(Vec2::new(1e5, 1e5), 10.0, Vec2::new(1.0, 0.0));
+        let (speed_mps, change_rad) = commander.horizontal(Vector2::new(1e5, 1e5), 10.0, Vector2::new(1.0, 0.0));
         assert_eq!(speed_mps, 15.0);
         assert!(change_rad > 2.0 && change_rad < std::f64::consts::PI);
     }
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn the_course_line_uses_tau_v_as_printed() {
         let commander = Commander::new(&LawSettings::default(), &Dynamics::default(), 0.5);
-        let (speed_mps, change_rad) = commander.horizontal(Vec2::new(0.5, 2.0), 8.0, Vec2::new(1.0, 0.0));
+        let (speed_mps, change_rad) = commander.horizontal(Vector2::new(0.5, 2.0), 8.0, Vector2::new(1.0, 0.0));
         assert_eq!(speed_mps, 8.5);
         assert_eq!(change_rad, 1.0 * 2.0 / 8.0);
     }

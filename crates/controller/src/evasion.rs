@@ -6,8 +6,8 @@
 //! short least.
 
 use crate::command::Commander;
-use crate::flights::{BATCH, Flights};
 use crate::look_ahead::{Commands, LookAhead, Scene};
+use crate::rollout::{BATCH, Rollout};
 
 /// Course changes, as shares of the greatest, from the mildest to the hardest. To the right first, as the rules of the
 /// air have it for two that meet.
@@ -32,7 +32,7 @@ pub fn evade(
     scene: &Scene<'_>,
     weights: [f64; 3],
     present: (f64, f64),
-    flights: &mut Flights,
+    rollout: &mut Rollout,
 ) -> Evasion {
     let speed_mps = scene.state.speed_mps;
     let mut commands = Commands { speed_setpoint_mps: [present.0; BATCH], course_change_rad: [present.1; BATCH] };
@@ -45,7 +45,7 @@ pub fn evade(
         commands.course_change_rad[count] = course * commander.course_bound_rad(speed_mps, setpoint_mps);
         count += 1;
     }
-    let shortfalls_m = look_ahead.try_commands(scene, &commands, weights, count, flights);
+    let shortfalls_m = look_ahead.try_commands(scene, &commands, weights, count, rollout);
     let mut best = (0, shortfalls_m[0]);
     for (index, &shortfall_m) in shortfalls_m.iter().enumerate() {
         // A millimetre of gain is worth no harder command.

@@ -1,5 +1,8 @@
 //! Where the flock flies: the obstacles and what is expected of every vehicle.
 
+use flight_model::course_vector;
+use nalgebra::Vector2;
+
 /// A circular obstacle of unlimited height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
@@ -24,16 +27,19 @@ pub struct Expected {
 
 impl Expected {
     /// The unit vector along the expected course (north, east).
-    pub fn direction(&self) -> (f64, f64) {
-        let (sin, cos) = libm::sincos(self.course_rad);
-        (cos, sin)
+    pub fn direction(&self) -> Vector2<f64> {
+        course_vector(self.course_rad)
     }
 }
 
 impl Obstacle {
-    /// Distance from a point to the edge, m; negative inside.
-    pub fn clearance_m(&self, x_m: f64, y_m: f64) -> f64 {
-        let (dx, dy) = (self.x_m - x_m, self.y_m - y_m);
-        (dx * dx + dy * dy).sqrt() - self.radius_m
+    /// Its centre (north, east), m.
+    pub fn centre_m(&self) -> Vector2<f64> {
+        Vector2::new(self.x_m, self.y_m)
+    }
+
+    /// Distance from a position (north, east), m, to the edge, m; negative inside.
+    pub fn clearance_m(&self, position_m: Vector2<f64>) -> f64 {
+        (self.centre_m() - position_m).norm() - self.radius_m
     }
 }

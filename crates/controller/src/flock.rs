@@ -1,7 +1,7 @@
-//! The flock's tick: Algorithm 2 for every vehicle at once.
+//! Algorithm 2: the flock's tick, for every vehicle at once.
 
 use crate::command::Commander;
-use crate::forecast::{Crew, Forecast};
+use crate::forecast::{Forecast, LawContext};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
 use crate::{Decision, FlockSettings, ForecastKind};
@@ -55,7 +55,7 @@ impl Flock {
             .enumerate()
             .for_each(|(vehicle, ((pilot, decision), _))| *decision = pilot.decide(&around, vehicle, tick, clock));
         if self.settings.controller.look_ahead.evasion {
-            self.concert(states);
+            self.deconflict(states);
         }
         &self.decisions
     }
@@ -83,8 +83,8 @@ impl Flock {
             ForecastKind::Straight => self.forecast.extrapolate(states, steps, settings.control_period_s),
             ForecastKind::Law => {
                 let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |last| last.weights);
-                let crew = crew(settings, &self.commander, &self.half_period);
-                self.forecast.fly_the_law(&crew, states, weights, |_| None, steps);
+                let context = context(settings, &self.commander, &self.half_period);
+                self.forecast.fly_the_law(&context, states, weights, |_| None, steps);
             }
         }
     }
@@ -92,25 +92,25 @@ impl Flock {
     /// Looks at all commands together before they go out: each was decided without knowledge of the others, and two that
     /// dodge each other may dodge into each other. One by one, in their order, vehicles that would come too near change
     /// their command, knowing those of all others.
-    fn concert(&mut self, states: &[State]) {
+    fn deconflict(&mut self, states: &[State]) {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);
-        let crew = crew(settings, &self.commander, &self.half_period);
+        let context = context(settings, &self.commander, &self.half_period);
         let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |decision| decision.weights);
         let first = |vehicle: usize| self.decisions.get(vehicle).map(|decision| decision.setpoint);
-        self.forecast.fly_the_law(&crew, states, weights, first, steps);
+        self.forecast.fly_the_law(&context, states, weights, first, steps);
         for (vehicle, (pilot, decision)) in self.pilots.iter_mut().zip(&mut self.decisions).enumerate() {
             let around = Surroundings { settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
             if let (Some(changed), Some(state)) = (pilot.reconsider(&around, vehicle, *decision), states.get(vehicle)) {
                 *decision = changed;
-                self.forecast.fly_again(&crew, vehicle, state, changed.setpoint, changed.weights);
+                self.forecast.fly_again(&context, vehicle, state, changed.setpoint, changed.weights);
             }
         }
     }
 }
 
-fn crew<'a>(settings: &'a FlockSettings, commander: &'a Commander, half_period: &'a Autopilot) -> Crew<'a> {
-    Crew {
+fn context<'a>(settings: &'a FlockSettings, commander: &'a Commander, half_period: &'a Autopilot) -> LawContext<'a> {
+    LawContext {
         law: &settings.controller.law,
         expected: &settings.expected,
         commander,

@@ -4,9 +4,9 @@ use crate::command::Commander;
 use crate::law::command;
 use crate::neighbours::Neighbours;
 use crate::terms::Neighbour;
-use crate::vector::Vec2;
 use crate::{Expected, LawSettings, Obstacle};
 use flight_model::{Autopilot, Setpoint, State};
+use nalgebra::Vector2;
 
 /// A vehicle at one instant of a forecast.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,7 +34,7 @@ pub struct Forecast {
 }
 
 /// What it takes to fly the law for any vehicle of the flock.
-pub struct Crew<'a> {
+pub struct LawContext<'a> {
     pub law: &'a LawSettings,
     pub expected: &'a Expected,
     pub commander: &'a Commander,
@@ -44,7 +44,7 @@ pub struct Crew<'a> {
     pub neighbours_max: usize,
 }
 
-impl Crew<'_> {
+impl LawContext<'_> {
     fn setpoint(&self, state: &State, neighbours: &[Neighbour], weights: [f64; 3]) -> Setpoint {
         command(self.law, self.expected, self.commander, state, neighbours, self.obstacles, weights)
     }
@@ -68,7 +68,7 @@ impl Forecast {
     /// it follows that for the first control period.
     pub fn fly_the_law(
         &mut self,
-        crew: &Crew<'_>,
+        context: &LawContext<'_>,
         states: &[State],
         weights: impl Fn(usize) -> [f64; 3],
         first: impl Fn(usize) -> Option<Setpoint>,
@@ -79,7 +79,7 @@ impl Forecast {
         self.passages.resize(self.instants * states.len(), Passage::default());
         self.now.clear();
         self.now.extend_from_slice(states);
-        let range_m = crew.law.communication_distance_m.max(crew.law.safe_distance_m);
+        let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
         for step in 0..=steps {
             for (vehicle, state) in self.now.iter().enumerate() {
                 self.passages[vehicle * self.instants + 2 * step] = Passage::of(state);
@@ -93,41 +93,47 @@ impl Forecast {
                 let setpoint = match first(vehicle).filter(|_| step == 0) {
                     Some(first) => first,
                     None => {
-                        self.index.nearest(&self.now, vehicle, range_m, crew.neighbours_max, &mut self.found);
+                        self.index.nearest(&self.now, vehicle, range_m, context.neighbours_max, &mut self.found);
                         self.near.clear();
                         self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
-                        crew.setpoint(state, &self.near, weights(vehicle))
+                        context.setpoint(state, &self.near, weights(vehicle))
                     }
                 };
-                let middle = crew.half_period.step(state, &setpoint);
+                let middle = context.half_period.step(state, &setpoint);
                 self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
-                self.next.push(crew.half_period.step(&middle, &setpoint));
+                self.next.push(context.half_period.step(&middle, &setpoint));
             }
             std::mem::swap(&mut self.now, &mut self.next);
         }
     }
 
     /// One vehicle alone changes its mind about its first command; the others fly on as they were to.
-    pub fn fly_again(&mut self, crew: &Crew<'_>, vehicle: usize, start: &State, first: Setpoint, weights: [f64; 3]) {
-        let range_m = crew.law.communication_distance_m.max(crew.law.safe_distance_m);
+    pub fn fly_again(
+        &mut self,
+        context: &LawContext<'_>,
+        vehicle: usize,
+        start: &State,
+        first: Setpoint,
+        weights: [f64; 3],
+    ) {
+        let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
         let (mut state, mut setpoint) = (*start, first);
         for step in 0..self.instants / 2 {
             if step > 0 {
                 self.near.clear();
                 for other in (0..self.passages.len() / self.instants).filter(|&other| other != vehicle) {
                     let there = self.passages[other * self.instants + 2 * step];
-                    let (dx, dy) = (there.x_m - state.x_m, there.y_m - state.y_m);
-                    if dx * dx + dy * dy <= range_m * range_m {
+                    if (there.position_m() - state.position_m()).norm_squared() <= range_m * range_m {
                         self.near.push(Neighbour {
-                            position_m: Vec2::new(there.x_m, there.y_m),
-                            velocity_mps: Vec2::new(there.vx_mps, there.vy_mps),
+                            position_m: there.position_m(),
+                            velocity_mps: Vector2::new(there.vx_mps, there.vy_mps),
                         });
                     }
                 }
-                setpoint = crew.setpoint(&state, &self.near, weights);
+                setpoint = context.setpoint(&state, &self.near, weights);
             }
-            let middle = crew.half_period.step(&state, &setpoint);
-            state = crew.half_period.step(&middle, &setpoint);
+            let middle = context.half_period.step(&state, &setpoint);
+            state = context.half_period.step(&middle, &setpoint);
             self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
             self.passages[vehicle * self.instants + 2 * step + 2] = Passage::of(&state);
         }
@@ -140,8 +146,13 @@ impl Forecast {
 }
 
 impl Passage {
+    /// (North, east), m.
+    pub fn position_m(&self) -> Vector2<f64> {
+        Vector2::new(self.x_m, self.y_m)
+    }
+
     fn of(state: &State) -> Self {
-        let (vx_mps, vy_mps) = state.velocity_mps();
-        Self { x_m: state.x_m, y_m: state.y_m, vx_mps, vy_mps }
+        let velocity_mps = state.velocity_mps();
+        Self { x_m: state.x_m, y_m: state.y_m, vx_mps: velocity_mps.x, vy_mps: velocity_mps.y }
     }
 }

@@ -5,18 +5,23 @@
 //!
 //! | equation | file |
 //! |---|---|
-//! | 2 | `command.rs` |
-//! | 4 | `law.rs` |
-//! | 5, 6, 8, 9, 10 | `terms.rs` |
-//! | 7 | `steering.rs`, `terms.rs` |
-//! | 11, 12 and the constraints | `look_ahead.rs` |
-//! | Algorithm 2 | `flock.rs` |
+//! | Eq. 2 | `command.rs` |
+//! | Eq. 4 | `law.rs` |
+//! | Eq. 5 | `terms/formation.rs` |
+//! | Eq. 6 | `terms/collision_avoidance.rs` |
+//! | Eq. 7 | `terms/obstacle_avoidance.rs` |
+//! | Eq. 8 | `terms/velocity_consensus.rs` |
+//! | Eq. 9 and 10 | `terms/vertical.rs` |
+//! | Eq. 11, 12 and the constraints | `look_ahead/mod.rs`, `rollout.rs` |
+//! | Algorithm 2 | `flock.rs`, `pilot.rs` |
+//!
+//! Eq. 1 and 3 are in the crate `flight_model`, Eq. 13 to 18 and Algorithm 1 in the crate `optimizer`.
 
+mod closest_approach;
 mod command;
 mod decision;
 mod evasion;
 mod field;
-mod flights;
 mod flock;
 mod forecast;
 mod law;
@@ -24,10 +29,9 @@ mod look_ahead;
 mod neighbours;
 mod pilot;
 mod polynomial;
+mod rollout;
 mod settings;
-pub mod steering;
 pub mod terms;
-mod vector;
 
 pub use decision::{Decision, FlockSettings};
 pub use field::{Expected, Obstacle};
@@ -36,4 +40,3 @@ pub use settings::{
     AltitudeLaw, ControllerSettings, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
     WeightSettings,
 };
-pub use vector::Vec2;

@@ -27,11 +27,11 @@ impl Neighbours {
         let from = self.by_northing.partition_point(|&i| states[i as usize].x_m < centre.x_m - range_m);
         for &index in &self.by_northing[from..] {
             let other = &states[index as usize];
-            let (dx, dy) = (other.x_m - centre.x_m, other.y_m - centre.y_m);
-            if dx > range_m {
+            let offset_m = other.position_m() - centre.position_m();
+            if offset_m.x > range_m {
                 break;
             }
-            let squared_m2 = dx * dx + dy * dy;
+            let squared_m2 = offset_m.norm_squared();
             if index as usize != of && squared_m2 <= range_m * range_m {
                 found.push((squared_m2, index));
             }
@@ -57,10 +57,7 @@ mod tests {
                 index.nearest(&states, of, 30.0, 8, &mut found);
                 let mut wanted: Vec<(f64, u32)> = (0..states.len())
                     .filter(|&other| other != of)
-                    .map(|other| {
-                        let (dx, dy) = (states[other].x_m - states[of].x_m, states[other].y_m - states[of].y_m);
-                        (dx * dx + dy * dy, other as u32)
-                    })
+                    .map(|other| ((states[other].position_m() - states[of].position_m()).norm_squared(), other as u32))
                     .filter(|&(squared, _)| squared <= 900.0)
                     .collect();
                 wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

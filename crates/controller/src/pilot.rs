@@ -1,16 +1,16 @@
-//! One vehicle's part of a tick: what it sees, the weights that the optimiser picks for it, and the command that follows.
+//! Algorithm 2, lines 4 to 6: one vehicle's part of a tick: what it sees, the weights that the optimiser picks for it, and the command that follows.
 
+use crate::closest_approach::closest_approach_m;
 use crate::command::Commander;
 use crate::evasion::evade;
-use crate::flights::Flights;
 use crate::forecast::{Forecast, Passage};
-use crate::law::{command, heading};
+use crate::law::command;
 use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
+use crate::rollout::Rollout;
 use crate::terms::Neighbour;
-use crate::vector::Vec2;
-use crate::{Decision, FlockSettings, Obstacle, WeightKind, steering};
-use flight_model::{Setpoint, State, wrap_pi};
+use crate::{Decision, FlockSettings, Obstacle, WeightKind, terms};
+use flight_model::{Setpoint, State, course_vector, wrap_pi};
 use optimizer::selection::nearest_to_ideal;
 use optimizer::{Bounds, Optimizer, SettingsError, Stream, stream};
 use std::time::Duration;
@@ -31,7 +31,7 @@ pub struct Pilot {
     bounds: Vec<Bounds>,
     last_weights: Option<[f64; 3]>,
     sight: Sight,
-    flights: Box<Flights>,
+    rollout: Box<Rollout>,
 }
 
 /// What a vehicle sees at one tick.
@@ -60,7 +60,7 @@ impl Pilot {
             bounds: vec![bounds; dimensions],
             last_weights: None,
             sight: Sight::default(),
-            flights: Box::new(Flights::new()),
+            rollout: Box::new(Rollout::new()),
         })
     }
 
@@ -83,7 +83,7 @@ impl Pilot {
             scene: self.sight.scene(settings, state),
             kind: settings.controller.weights.kind,
             bounds: &self.bounds,
-            flights: &mut self.flights,
+            rollout: &mut self.rollout,
         };
         let choice = pick_weights(self.optimizer.as_mut(), &mut problem, self.last_weights, &mut rng);
         let solve = clock().saturating_sub(started);
@@ -101,10 +101,8 @@ impl Pilot {
         let own = around.forecast.vehicle(vehicle);
         let meets = |&(_, other): &(f64, u32)| {
             let theirs = around.forecast.vehicle(other as usize);
-            let offset = |instant: usize| {
-                Vec2::new(theirs[instant].x_m - own[instant].x_m, theirs[instant].y_m - own[instant].y_m)
-            };
-            (1..own.len()).any(|instant| offset(instant - 1).nearest_to(offset(instant)) < separation_m)
+            let offset_m = |instant: usize| theirs[instant].position_m() - own[instant].position_m();
+            (1..own.len()).any(|instant| closest_approach_m(offset_m(instant - 1), offset_m(instant)) < separation_m)
         };
         if decision.feasible && !self.sight.found.iter().any(meets) {
             return None;
@@ -117,7 +115,7 @@ impl Pilot {
     fn evade(&mut self, settings: &FlockSettings, state: State, decision: Decision) -> Decision {
         let present = (decision.setpoint.speed_mps, wrap_pi(decision.setpoint.course_rad - state.course_rad));
         let scene = self.sight.scene(settings, state);
-        let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, &mut self.flights);
+        let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, &mut self.rollout);
         if (evasion.speed_setpoint_mps, evasion.course_change_rad) == present {
             return Decision { feasible: evasion.violation_m <= 0.0, ..decision };
         }
@@ -130,14 +128,14 @@ impl Pilot {
 impl Sight {
     /// What the look-ahead is to know of it.
     fn scene(&self, settings: &FlockSettings, state: State) -> Scene<'_> {
-        let position_m = Vec2::new(state.x_m, state.y_m);
-        let (law, heading) = (&settings.controller.law, heading(&state));
+        let (law, position_m) = (&settings.controller.law, state.position_m());
+        let heading = course_vector(state.course_rad);
         Scene {
             state,
             expected: settings.expected,
             obstacles: &self.obstacles,
             close_obstacles: &self.close_obstacles,
-            detected: self.obstacles.iter().any(|obstacle| steering::detects(law, position_m, heading, obstacle)),
+            detected: self.obstacles.iter().any(|obstacle| terms::detects(law, position_m, heading, obstacle)),
             neighbours: &self.passages,
         }
     }
@@ -163,7 +161,7 @@ impl Sight {
         self.neighbours.extend(self.found.iter().map(|&(_, index)| Neighbour::of(&around.states[index as usize])));
         self.foresee(around);
         let within =
-            |distance_m: f64| move |obstacle: &&Obstacle| obstacle.clearance_m(state.x_m, state.y_m) <= distance_m;
+            |distance_m: f64| move |obstacle: &&Obstacle| obstacle.clearance_m(state.position_m()) <= distance_m;
         self.obstacles.clear();
         self.obstacles.extend(settings.obstacles.iter().filter(within(law.perception_distance_m + reach_m)));
         self.close_obstacles.clear();

@@ -1,6 +1,6 @@
 //! One step of the three autopilot loops (Eq. 1) with the limits of Eq. 3 acting inside it.
 
-use crate::{Dynamics, Limits, Setpoint, State, wrap_pi};
+use crate::{Dynamics, Limits, Setpoint, State, course_vector, wrap_pi};
 
 /// The three loops discretised at a fixed step.
 ///
@@ -47,16 +47,13 @@ impl Autopilot {
         let (altitude_m, climb_mps) = self.altitude(state, setpoint);
 
         // Simpson's rule on V cos(phi), V sin(phi).
-        let velocity = |speed_mps: f64, course_rad: f64| {
-            let (sin, cos) = libm::sincos(course_rad);
-            (speed_mps * cos, speed_mps * sin)
-        };
-        let (north_0, east_0) = velocity(state.speed_mps, state.course_rad);
-        let (north_1, east_1) = velocity(speed_mid, course_mid);
-        let (north_2, east_2) = velocity(speed_end, course_end);
+        let start = state.velocity_mps();
+        let middle = course_vector(course_mid) * speed_mid;
+        let end = course_vector(course_end) * speed_end;
+        let position_m = state.position_m() + (start + middle * 4.0 + end) * (self.step_s / 6.0);
         State {
-            x_m: state.x_m + self.step_s / 6.0 * (north_0 + 4.0 * north_1 + north_2),
-            y_m: state.y_m + self.step_s / 6.0 * (east_0 + 4.0 * east_1 + east_2),
+            x_m: position_m.x,
+            y_m: position_m.y,
             altitude_m,
             speed_mps: speed_end,
             course_rad: wrap_pi(course_end),

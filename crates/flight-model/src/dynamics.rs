@@ -1,4 +1,4 @@
-//! The constants of the vehicle model, with the paper's values as defaults.
+//! The constants of Eq. 1 and the limits of Eq. 3, with the paper's values as defaults.
 
 use crate::{RangeError, Ranges};
 

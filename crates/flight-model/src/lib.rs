@@ -35,5 +35,5 @@ pub use dynamics::{Dynamics, Limits, TimeConstants};
 pub use frame::{Geodetic, LocalFrame};
 pub use gusts::Gusts;
 pub use range::{Range, RangeError, Ranges};
-pub use state::{Setpoint, State};
+pub use state::{Setpoint, State, course_vector};
 pub use wind::Wind;

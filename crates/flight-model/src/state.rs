@@ -1,5 +1,7 @@
 //! What a vehicle does and what it is asked to do.
 
+use nalgebra::Vector2;
+
 /// One vehicle's state (Eq. 1) in the local frame: X north, Y east, altitude up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
@@ -34,10 +36,14 @@ impl State {
         Setpoint { speed_mps: self.speed_mps, course_rad: self.course_rad, altitude_m: self.altitude_m }
     }
 
+    /// Horizontal position (north, east) of the origin, m.
+    pub fn position_m(&self) -> Vector2<f64> {
+        Vector2::new(self.x_m, self.y_m)
+    }
+
     /// Horizontal velocity (north, east), m/s.
-    pub fn velocity_mps(&self) -> (f64, f64) {
-        let (sin, cos) = libm::sincos(self.course_rad);
-        (self.speed_mps * cos, self.speed_mps * sin)
+    pub fn velocity_mps(&self) -> Vector2<f64> {
+        course_vector(self.course_rad) * self.speed_mps
     }
 
     /// Whether every component is a finite number.
@@ -46,6 +52,12 @@ impl State {
             .iter()
             .all(|value| value.is_finite())
     }
+}
+
+/// The unit vector (north, east) along a course in rad from north towards east.
+pub fn course_vector(course_rad: f64) -> Vector2<f64> {
+    let (sin, cos) = libm::sincos(course_rad);
+    Vector2::new(cos, sin)
 }
 
 impl Setpoint {

@@ -1,6 +1,7 @@
 //! Air that moves: steady wind, the wind triangle, and a step of the autopilots in it.
 
-use crate::{Autopilot, Setpoint, State};
+use crate::{Autopilot, Setpoint, State, course_vector};
+use nalgebra::Vector2;
 
 /// Velocity of the air over ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,13 +20,18 @@ impl Wind {
 
     /// A level wind of a speed in m/s, from a direction in rad (from north towards east), as weather reports say it.
     pub fn from_direction(speed_mps: f64, from_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(from_rad);
-        Self { north_mps: -speed_mps * cos, east_mps: -speed_mps * sin, up_mps: 0.0 }
+        let from = course_vector(from_rad) * -speed_mps;
+        Self { north_mps: from.x, east_mps: from.y, up_mps: 0.0 }
     }
 
     /// Its horizontal speed, m/s.
     pub fn speed_mps(&self) -> f64 {
-        (self.north_mps * self.north_mps + self.east_mps * self.east_mps).sqrt()
+        self.horizontal_mps().norm()
+    }
+
+    /// Its horizontal part (north, east), m/s.
+    pub fn horizontal_mps(&self) -> Vector2<f64> {
+        Vector2::new(self.north_mps, self.east_mps)
     }
 
     /// Where it comes from, rad in [-pi, pi] from north towards east; 0 for still air.
@@ -42,8 +48,7 @@ impl Wind {
     /// The heading that keeps a course over ground at an airspeed in m/s (the wind triangle). Where the wind across the
     /// course is stronger than the airspeed no heading does: this is then the one that drifts least.
     pub fn heading_rad(&self, course_rad: f64, airspeed_mps: f64) -> f64 {
-        let (sin, cos) = libm::sincos(course_rad);
-        let from_left_mps = self.east_mps * cos - self.north_mps * sin;
+        let from_left_mps = course_vector(course_rad).perp(&self.horizontal_mps());
         if from_left_mps == 0.0 {
             return course_rad;
         }
@@ -52,9 +57,9 @@ impl Wind {
 
     /// Whether some heading at an airspeed in m/s makes way over ground along a course.
     pub fn lets_fly(&self, course_rad: f64, airspeed_mps: f64) -> bool {
-        let (sin, cos) = libm::sincos(course_rad);
-        let across_mps = self.east_mps * cos - self.north_mps * sin;
-        let along_mps = self.north_mps * cos + self.east_mps * sin;
+        let course = course_vector(course_rad);
+        let across_mps = course.perp(&self.horizontal_mps());
+        let along_mps = course.dot(&self.horizontal_mps());
         let rest = airspeed_mps * airspeed_mps - across_mps * across_mps;
         rest > 0.0 && along_mps + rest.sqrt() > 0.0
     }
@@ -73,8 +78,7 @@ impl State {
         if wind.north_mps == 0.0 && wind.east_mps == 0.0 {
             return *self;
         }
-        let (north_mps, east_mps) = self.velocity_mps();
-        self.with_velocity(north_mps - wind.north_mps, east_mps - wind.east_mps)
+        self.with_velocity(self.velocity_mps() - wind.horizontal_mps())
     }
 
     /// What [`in_air`](Self::in_air) of the same wind makes this: speed and course over ground from airspeed and heading.
@@ -82,10 +86,10 @@ impl State {
         self.in_air(&Wind { north_mps: -wind.north_mps, east_mps: -wind.east_mps, up_mps: -wind.up_mps })
     }
 
-    fn with_velocity(&self, north_mps: f64, east_mps: f64) -> State {
-        let speed_mps = (north_mps * north_mps + east_mps * east_mps).sqrt();
+    fn with_velocity(&self, velocity_mps: Vector2<f64>) -> State {
+        let speed_mps = velocity_mps.norm();
         let course_rad =
-            if speed_mps > 0.0 { crate::wrap_pi(libm::atan2(east_mps, north_mps)) } else { self.course_rad };
+            if speed_mps > 0.0 { crate::wrap_pi(libm::atan2(velocity_mps.y, velocity_mps.x)) } else { self.course_rad };
         State { speed_mps, course_rad, ..*self }
     }
 }
@@ -171,10 +175,9 @@ mod tests {
             let wind = Wind::from_direction(speed, from);
             prop_assert!(wind.lets_fly(course, airspeed));
             let heading_rad = wind.heading_rad(course, airspeed);
-            let (sin, cos) = libm::sincos(heading_rad);
-            let (north, east) = (airspeed * cos + wind.north_mps, airspeed * sin + wind.east_mps);
-            prop_assert!(wrap_pi(libm::atan2(east, north) - course).abs() < 1e-9);
-            let (back, again) = wind.air_velocity((north * north + east * east).sqrt(), course);
+            let over_ground = course_vector(heading_rad) * airspeed + wind.horizontal_mps();
+            prop_assert!(wrap_pi(libm::atan2(over_ground.y, over_ground.x) - course).abs() < 1e-9);
+            let (back, again) = wind.air_velocity(over_ground.norm(), course);
             prop_assert!((back - airspeed).abs() < 1e-9 && wrap_pi(again - heading_rad).abs() < 1e-9);
         }
 

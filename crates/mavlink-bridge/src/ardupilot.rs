@@ -4,7 +4,6 @@
 
 use crate::{Encoder, telemetry::down};
 use flight_model::Wind;
-use mavlink::MavlinkVersion;
 
 /// The longest of them, bytes.
 const PAYLOAD_MAX: usize = 26;
@@ -50,13 +49,7 @@ impl ArduPilotMessage {
 impl Encoder {
     /// Appends a message of ArduPilot's dialect to `out` as one frame.
     pub fn encode_ardupilot(&mut self, message: &ArduPilotMessage, out: &mut Vec<u8>) {
-        self.write_frame(message.id, out, |version, payload| {
-            payload[..PAYLOAD_MAX].copy_from_slice(&message.payload);
-            match version {
-                MavlinkVersion::V1 => message.length,
-                MavlinkVersion::V2 => mavlink::utils::remove_trailing_zeroes(&message.payload),
-            }
-        });
+        self.write_fields(message.id, &message.payload, message.length, out);
     }
 }
 

@@ -171,7 +171,7 @@ mod tests {
             });
             let (mut by_hand, mut by_dialect) = (Vec::new(), Vec::new());
             Encoder::new(9, 1).with_version(version).encode(&ack, &mut by_dialect);
-            Encoder::new(9, 1).with_version(version).encode_command_ack_raw(
+            Encoder::new(9, 1).with_version(version).encode_command_ack(
                 43000, MavResult::MAV_RESULT_UNSUPPORTED, target, &mut by_hand,
             );
             prop_assert_eq!(by_hand, by_dialect);

@@ -40,43 +40,37 @@ impl Encoder {
 
     /// Appends a COMMAND_ACK for a command by its number, which the dialect need not know
     /// (<https://mavlink.io/en/messages/common.html#COMMAND_ACK>).
-    pub fn encode_command_ack_raw(&mut self, command: u16, result: MavResult, target: Target, out: &mut Vec<u8>) {
-        self.write_frame(COMMAND_ACK_DATA::ID, out, |version, payload| {
-            let [low, high] = command.to_le_bytes();
-            let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
-            payload[..fields.len()].copy_from_slice(&fields);
-            match version {
-                MavlinkVersion::V1 => 3,
-                MavlinkVersion::V2 => mavlink::utils::remove_trailing_zeroes(&fields),
-            }
-        });
+    pub fn encode_command_ack(&mut self, command: u16, result: MavResult, target: Target, out: &mut Vec<u8>) {
+        let [low, high] = command.to_le_bytes();
+        let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
+        self.write_fields(COMMAND_ACK_DATA::ID, &fields, 3, out);
     }
 
     /// Appends a MISSION_ACK for a type of plan by its number, which the dialect need not know
     /// (<https://mavlink.io/en/messages/common.html#MISSION_ACK>).
-    pub fn encode_mission_ack_raw(
+    pub fn encode_mission_ack(
         &mut self,
         mission_type: u8,
         result: MavMissionResult,
         target: Target,
         out: &mut Vec<u8>,
     ) {
-        self.write_frame(MISSION_ACK_DATA::ID, out, |version, payload| {
-            let fields = [target.system_id, target.component_id, result as u8, mission_type];
-            payload[..fields.len()].copy_from_slice(&fields);
+        let fields = [target.system_id, target.component_id, result as u8, mission_type];
+        self.write_fields(MISSION_ACK_DATA::ID, &fields, 3, out);
+    }
+
+    /// Appends a frame from the bytes of its fields, of which MAVLink 1 has the first `v1_length`.
+    pub(crate) fn write_fields(&mut self, id: u32, fields: &[u8], v1_length: usize, out: &mut Vec<u8>) {
+        self.write_frame(id, out, |version, payload| {
+            payload[..fields.len()].copy_from_slice(fields);
             match version {
-                MavlinkVersion::V1 => 3,
-                MavlinkVersion::V2 => mavlink::utils::remove_trailing_zeroes(&fields),
+                MavlinkVersion::V1 => v1_length,
+                MavlinkVersion::V2 => mavlink::utils::remove_trailing_zeroes(fields),
             }
         });
     }
 
-    pub(crate) fn write_frame(
-        &mut self,
-        id: u32,
-        out: &mut Vec<u8>,
-        write: impl FnOnce(MavlinkVersion, &mut [u8]) -> usize,
-    ) {
+    fn write_frame(&mut self, id: u32, out: &mut Vec<u8>, write: impl FnOnce(MavlinkVersion, &mut [u8]) -> usize) {
         let start = out.len();
         let [id_0, id_1, id_2, _] = id.to_le_bytes();
         let sender = [self.sequence, self.system_id, self.component_id];

@@ -20,7 +20,7 @@ pub struct Identity {
 
 /// What the ground knows of one vehicle.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Craft {
+pub struct RemoteVehicle {
     /// How it is recognised.
     pub identity: Identity,
     /// Where it is spoken to, once it is known.
@@ -52,7 +52,7 @@ pub struct Position {
 
 /// What a frame brought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum News {
+pub enum FleetEvent {
     /// A position of the vehicle of this index that is not older than the last one.
     Position(usize),
     /// Anything else from the vehicle of this index.
@@ -64,7 +64,7 @@ pub enum News {
 /// All vehicles, in the order of the scenario.
 #[derive(Clone, Debug)]
 pub struct Fleet {
-    crafts: Vec<Craft>,
+    vehicles: Vec<RemoteVehicle>,
     by_address: HashMap<(SocketAddr, u8), usize>,
     /// Vehicles whose address is yet to be learned, by system id.
     unplaced: HashMap<u8, usize>,
@@ -73,13 +73,13 @@ pub struct Fleet {
 impl Fleet {
     /// A fleet of which nothing is heard yet.
     pub fn new(identities: impl IntoIterator<Item = Identity>) -> Self {
-        let mut fleet = Self { crafts: Vec::new(), by_address: HashMap::new(), unplaced: HashMap::new() };
+        let mut fleet = Self { vehicles: Vec::new(), by_address: HashMap::new(), unplaced: HashMap::new() };
         for (index, identity) in identities.into_iter().enumerate() {
             match identity.address {
                 Some(address) => fleet.by_address.insert((address, identity.system_id), index),
                 None => fleet.unplaced.insert(identity.system_id, index),
             };
-            fleet.crafts.push(Craft {
+            fleet.vehicles.push(RemoteVehicle {
                 identity,
                 address: identity.address,
                 target: Target { system_id: identity.system_id, component_id: 1 },
@@ -94,29 +94,31 @@ impl Fleet {
     }
 
     /// The vehicles.
-    pub fn crafts(&self) -> &[Craft] {
-        &self.crafts
+    pub fn vehicles(&self) -> &[RemoteVehicle] {
+        &self.vehicles
     }
 
     /// Takes a message that came from an address at host time `now`. Positions that are not finite, or older than the last
     /// one, are not taken.
-    pub fn hear(&mut self, header: &Header, message: &Message, from: SocketAddr, now: Duration) -> News {
-        let Some(index) = self.recognise(header.system_id, message, from) else { return News::None };
-        let craft = &mut self.crafts[index];
-        craft.last_heard = Some(now);
+    pub fn hear(&mut self, header: &Header, message: &Message, from: SocketAddr, now: Duration) -> FleetEvent {
+        let Some(index) = self.recognise(header.system_id, message, from) else { return FleetEvent::None };
+        let vehicle = &mut self.vehicles[index];
+        vehicle.last_heard = Some(now);
         match message {
             Message::HEARTBEAT(heartbeat) if is_autopilot(heartbeat) => {
-                craft.target.component_id = header.component_id;
-                craft.armed = heartbeat.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
-                craft.custom_mode = Some(heartbeat.custom_mode);
-                News::Other(index)
+                vehicle.target.component_id = header.component_id;
+                vehicle.armed = heartbeat.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
+                vehicle.custom_mode = Some(heartbeat.custom_mode);
+                FleetEvent::Other(index)
             }
             Message::COMMAND_ACK(ack) => {
-                craft.last_ack = Some(ack.clone());
-                News::Other(index)
+                vehicle.last_ack = Some(ack.clone());
+                FleetEvent::Other(index)
             }
-            Message::LOCAL_POSITION_NED(position) if craft.take_position(position, now) => News::Position(index),
-            _ => News::Other(index),
+            Message::LOCAL_POSITION_NED(position) if vehicle.take_position(position, now) => {
+                FleetEvent::Position(index)
+            }
+            _ => FleetEvent::Other(index),
         }
     }
 
@@ -134,12 +136,12 @@ impl Fleet {
         let index = *self.unplaced.get(&system_id).filter(|_| claims)?;
         self.unplaced.remove(&system_id);
         self.by_address.insert((from, system_id), index);
-        self.crafts[index].address = Some(from);
+        self.vehicles[index].address = Some(from);
         Some(index)
     }
 }
 
-impl Craft {
+impl RemoteVehicle {
     fn take_position(&mut self, data: &LOCAL_POSITION_NED_DATA, now: Duration) -> bool {
         let state = state_from_local_position(data);
         // Half of the clock's range apart, the order of two times is that of their difference, wrapped or not.
@@ -166,7 +168,7 @@ mod tests {
     const HERE: ([u8; 4], u16) = ([127, 0, 0, 1], 14600);
     const THERE: ([u8; 4], u16) = ([127, 0, 0, 1], 14601);
 
-    fn hear(fleet: &mut Fleet, system_id: u8, message: &Message, from: ([u8; 4], u16)) -> News {
+    fn hear(fleet: &mut Fleet, system_id: u8, message: &Message, from: ([u8; 4], u16)) -> FleetEvent {
         let mut datagram = Vec::new();
         Encoder::new(system_id, 1).encode(message, &mut datagram);
         let mut counters = Counters::default();
@@ -185,27 +187,31 @@ mod tests {
     #[test]
     fn an_unknown_address_is_learned_once() {
         let mut fleet = Fleet::new([identity(1, None)]);
-        assert_eq!(hear(&mut fleet, 1, &ground_heartbeat(), THERE), News::None, "a ground station is no vehicle");
-        assert_eq!(hear(&mut fleet, 1, &position(100, 1.0), HERE), News::Position(0));
-        assert_eq!(hear(&mut fleet, 1, &position(200, 9.0), THERE), News::None, "another vehicle with the same id");
-        assert_eq!(fleet.crafts()[0].address, Some(HERE.into()));
+        assert_eq!(hear(&mut fleet, 1, &ground_heartbeat(), THERE), FleetEvent::None, "a ground station is no vehicle");
+        assert_eq!(hear(&mut fleet, 1, &position(100, 1.0), HERE), FleetEvent::Position(0));
+        assert_eq!(
+            hear(&mut fleet, 1, &position(200, 9.0), THERE),
+            FleetEvent::None,
+            "another vehicle with the same id"
+        );
+        assert_eq!(fleet.vehicles()[0].address, Some(HERE.into()));
     }
 
     #[test]
     fn networks_share_system_ids_and_differ_by_address() {
         let mut fleet = Fleet::new([identity(1, Some(HERE)), identity(1, Some(THERE))]);
-        assert_eq!(hear(&mut fleet, 1, &position(100, 1.0), THERE), News::Position(1));
-        assert_eq!(hear(&mut fleet, 1, &position(100, 2.0), HERE), News::Position(0));
-        assert_eq!(hear(&mut fleet, 2, &position(100, 2.0), HERE), News::None);
+        assert_eq!(hear(&mut fleet, 1, &position(100, 1.0), THERE), FleetEvent::Position(1));
+        assert_eq!(hear(&mut fleet, 1, &position(100, 2.0), HERE), FleetEvent::Position(0));
+        assert_eq!(hear(&mut fleet, 2, &position(100, 2.0), HERE), FleetEvent::None);
     }
 
     #[test]
     fn older_and_impossible_positions_are_not_taken() {
         let mut fleet = Fleet::new([identity(1, None)]);
-        assert_eq!(hear(&mut fleet, 1, &position(500, 5.0), HERE), News::Position(0));
-        assert_eq!(hear(&mut fleet, 1, &position(400, 4.0), HERE), News::Other(0));
-        assert_eq!(hear(&mut fleet, 1, &position(600, f64::NAN), HERE), News::Other(0));
-        assert_eq!(fleet.crafts()[0].position.map(|position| position.state.x_m), Some(5.0));
-        assert_eq!(hear(&mut fleet, 1, &position(500, 5.0), HERE), News::Position(0), "said again");
+        assert_eq!(hear(&mut fleet, 1, &position(500, 5.0), HERE), FleetEvent::Position(0));
+        assert_eq!(hear(&mut fleet, 1, &position(400, 4.0), HERE), FleetEvent::Other(0));
+        assert_eq!(hear(&mut fleet, 1, &position(600, f64::NAN), HERE), FleetEvent::Other(0));
+        assert_eq!(fleet.vehicles()[0].position.map(|position| position.state.x_m), Some(5.0));
+        assert_eq!(hear(&mut fleet, 1, &position(500, 5.0), HERE), FleetEvent::Position(0), "said again");
     }
 }

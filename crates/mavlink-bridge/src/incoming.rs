@@ -2,8 +2,8 @@
 
 use crate::command::{Command, command};
 use crate::dialect::DialectMessage;
+use crate::mission::{PlanMessage, plan_message};
 use crate::parameter::{ParameterRequest, parameter_request};
-use crate::plan::{PlanMessage, plan_message};
 use crate::{Counters, Frame, FrameError, Header, Message, Target, messages};
 
 /// A frame as a vehicle takes it.

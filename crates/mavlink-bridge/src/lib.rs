@@ -39,9 +39,9 @@ pub mod impairment;
 pub mod incoming;
 pub mod kind;
 pub mod link;
+pub mod mission;
 pub mod multicast;
 pub mod parameter;
-pub mod plan;
 pub mod setpoint;
 pub mod telemetry;
 pub mod tlog;
@@ -54,15 +54,15 @@ pub use counters::{Counters, Order, SequenceTracker};
 pub use datagram::{Frames, frames, messages};
 pub use dialect::{Message, Target};
 pub use encoder::Encoder;
-pub use fleet::{Craft, Fleet, Identity, News, Position};
+pub use fleet::{Fleet, FleetEvent, Identity, Position, RemoteVehicle};
 pub use frame::{Frame, FrameError, Header, Version};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
 pub use incoming::{Incoming, Request, incoming};
+pub use mission::{ItemKind, PlanItem, PlanItemMessage, PlanMessage};
 pub use multicast::{MULTICAST_GROUP, MulticastLink, MulticastScope};
 pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_value};
-pub use plan::{ItemKind, PlanItem, PlanItemMessage, PlanMessage};
 pub use setpoint::{
-    PartialSetpoint, SetpointRefusal, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
+    PartialSetpoint, SetpointError, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
 };
 pub use telemetry::{boot_ms, local_position_ned, state_from_local_position, wire_round};
 pub use tlog::{TlogError, TlogReader, TlogRecord, TlogWriter};

@@ -6,6 +6,7 @@ use crate::dialect::{
 };
 use crate::telemetry::{boot_ms, down, speed_and_course, up, wire_velocity};
 use flight_model::Setpoint;
+use nalgebra::Vector2;
 use std::time::Duration;
 
 /// The type mask of [`local_ned_setpoint`]: vx, vy and z are set, all else is ignored.
@@ -18,14 +19,14 @@ pub const SPEED_MIN_MPS: f64 = 1.0 / 1024.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartialSetpoint {
     /// Horizontal velocity (north, east), m/s.
-    pub velocity: Option<(f64, f64)>,
+    pub velocity: Option<Vector2<f64>>,
     /// Altitude above the origin, m.
     pub altitude: Option<f64>,
 }
 
 /// Why a setpoint message is not followed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SetpointRefusal {
+pub enum SetpointError {
     /// The coordinate frame is not MAV_FRAME_LOCAL_NED.
     #[error("the coordinate frame {0:?} is not followed")]
     Frame(MavFrame),
@@ -53,11 +54,9 @@ pub fn local_ned_setpoint(time_boot: Duration, target: Target, setpoint: &Setpoi
 ///
 /// Followed are vx with vy, and z, in MAV_FRAME_LOCAL_NED. What a fixed wing behind speed, course and altitude loops
 /// cannot fly (position, vz, acceleration, yaw) is refused and not ignored in silence.
-pub fn setpoint_from_local_ned(
-    target: &SET_POSITION_TARGET_LOCAL_NED_DATA,
-) -> Result<PartialSetpoint, SetpointRefusal> {
+pub fn setpoint_from_local_ned(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Result<PartialSetpoint, SetpointError> {
     if target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
-        return Err(SetpointRefusal::Frame(target.coordinate_frame));
+        return Err(SetpointError::Frame(target.coordinate_frame));
     }
     let mask = target.type_mask;
     let asks = |ignore_bits: PositionTargetTypemask| !mask.contains(ignore_bits);
@@ -68,20 +67,20 @@ pub fn setpoint_from_local_ned(
     let half_a_velocity = mask.intersects(velocity) && asks(velocity);
     let nothing = !asks(velocity) && !asks(altitude);
     if asks(all_else) || half_a_velocity || nothing {
-        return Err(SetpointRefusal::Mask(mask.bits()));
+        return Err(SetpointError::Mask(mask.bits()));
     }
     let partial = PartialSetpoint {
-        velocity: asks(velocity).then(|| (f64::from(target.vx), f64::from(target.vy))),
+        velocity: asks(velocity).then(|| Vector2::new(target.vx, target.vy).cast()),
         altitude: asks(altitude).then(|| up(target.z)),
     };
-    if partial.is_finite() { Ok(partial) } else { Err(SetpointRefusal::NotFinite) }
+    if partial.is_finite() { Ok(partial) } else { Err(SetpointError::NotFinite) }
 }
 
 /// Exactly what a vehicle makes of [`local_ned_setpoint`]: a run in memory rounds with it, to have the same bits as a
 /// run over the wire. Twice is the same as once.
 pub fn wire_round_setpoint(setpoint: &Setpoint) -> Setpoint {
     let data = local_ned_data(0, Target::default(), setpoint);
-    let (speed_mps, course_rad) = speed_and_course(f64::from(data.vx), f64::from(data.vy));
+    let (speed_mps, course_rad) = speed_and_course(Vector2::new(data.vx, data.vy).cast());
     Setpoint { speed_mps, course_rad, altitude_m: up(data.z) }
 }
 
@@ -89,14 +88,14 @@ impl PartialSetpoint {
     /// The setpoint of a vehicle that has flown `current` until now: what is not asked for stays as it is.
     pub fn over(&self, current: &Setpoint) -> Setpoint {
         let (speed_mps, course_rad) = match self.velocity {
-            Some((north_mps, east_mps)) => speed_and_course(north_mps, east_mps),
+            Some(velocity_mps) => speed_and_course(velocity_mps),
             None => (current.speed_mps, current.course_rad),
         };
         Setpoint { speed_mps, course_rad, altitude_m: self.altitude.unwrap_or(current.altitude_m) }
     }
 
     fn is_finite(&self) -> bool {
-        self.velocity.is_none_or(|(north, east)| north.is_finite() && east.is_finite())
+        self.velocity.is_none_or(|velocity| velocity.iter().all(|mps| mps.is_finite()))
             && self.altitude.is_none_or(f64::is_finite)
     }
 }
@@ -113,7 +112,7 @@ pub fn guided_commands(
     setpoint: &Setpoint,
     altitude_above_home_m: f64,
     lateral_acceleration_mps2: f64,
-) -> Result<[Message; 3], SetpointRefusal> {
+) -> Result<[Message; 3], SetpointError> {
     let speed_mps = finite_f32(setpoint.speed_mps)?;
     let altitude_m = flyable_altitude_m(finite_f32(altitude_above_home_m)?);
     let course_deg = course_deg(setpoint.course_rad)?;
@@ -143,12 +142,12 @@ const LATERAL_ACCELERATION_MIN_MPS2: f32 = 0.05;
 fn local_ned_data(time_boot_ms: u32, target: Target, setpoint: &Setpoint) -> SET_POSITION_TARGET_LOCAL_NED_DATA {
     // Not f64::max, which would make a speed of NaN a valid one.
     let speed_mps = if setpoint.speed_mps < 0.5 * SPEED_MIN_MPS { SPEED_MIN_MPS } else { setpoint.speed_mps };
-    let (vx, vy) = wire_velocity(speed_mps, setpoint.course_rad);
+    let velocity_mps = wire_velocity(speed_mps, setpoint.course_rad);
     SET_POSITION_TARGET_LOCAL_NED_DATA {
         time_boot_ms,
         z: down(setpoint.altitude_m),
-        vx,
-        vy,
+        vx: velocity_mps.x,
+        vy: velocity_mps.y,
         type_mask: PositionTargetTypemask::from_bits_retain(VELOCITY_AND_ALTITUDE_MASK),
         target_system: target.system_id,
         target_component: target.component_id,
@@ -157,13 +156,13 @@ fn local_ned_data(time_boot_ms: u32, target: Target, setpoint: &Setpoint) -> SET
     }
 }
 
-pub(crate) fn finite_f32(value: f64) -> Result<f32, SetpointRefusal> {
+pub(crate) fn finite_f32(value: f64) -> Result<f32, SetpointError> {
     let value = value as f32;
-    if value.is_finite() { Ok(value) } else { Err(SetpointRefusal::NotFinite) }
+    if value.is_finite() { Ok(value) } else { Err(SetpointError::NotFinite) }
 }
 
 /// Degrees in [0, 360).
-pub(crate) fn course_deg(course_rad: f64) -> Result<f32, SetpointRefusal> {
+pub(crate) fn course_deg(course_rad: f64) -> Result<f32, SetpointError> {
     let turn = course_rad / std::f64::consts::TAU;
     let degrees = finite_f32((turn - turn.floor()) * 360.0)?;
     Ok(if degrees >= 360.0 { 0.0 } else { degrees })
@@ -232,13 +231,13 @@ mod tests {
             data.type_mask = PositionTargetTypemask::from_bits_retain(mask);
             setpoint_from_local_ned(&data)
         };
-        let (velocity, altitude) = (Some((5.0, 0.0)), Some(50.0));
+        let (velocity, altitude) = (Some(Vector2::new(5.0, 0.0)), Some(50.0));
         assert_eq!(read(0x0DE3), Ok(PartialSetpoint { velocity, altitude }));
         assert_eq!(read(0x0DE7), Ok(PartialSetpoint { velocity, altitude: None }));
         assert_eq!(read(0x0DFB), Ok(PartialSetpoint { velocity: None, altitude }));
         // vz, position, acceleration, yaw, yaw rate, one of vx and vy, nothing.
         for mask in [0x0DC7, 0x0DE0, 0x0C23, 0x09E3, 0x05E3, 0x0DEB, 0x0DF3, 0x0DFF, 0x0000] {
-            assert_eq!(read(mask), Err(SetpointRefusal::Mask(mask)), "{mask:#06x}");
+            assert_eq!(read(mask), Err(SetpointError::Mask(mask)), "{mask:#06x}");
         }
     }
 
@@ -246,7 +245,7 @@ mod tests {
     fn other_frames_are_refused() {
         let mut data = data(&Setpoint::default());
         data.coordinate_frame = MavFrame::MAV_FRAME_BODY_FRD;
-        let refused = Err(SetpointRefusal::Frame(MavFrame::MAV_FRAME_BODY_FRD));
+        let refused = Err(SetpointError::Frame(MavFrame::MAV_FRAME_BODY_FRD));
         assert_eq!(setpoint_from_local_ned(&data), refused);
     }
 
@@ -254,7 +253,7 @@ mod tests {
     fn only_fields_that_are_asked_for_must_be_finite() {
         for (speed_mps, course_rad, altitude_m) in [(f64::NAN, 0.0, 0.0), (5.0, f64::NAN, 0.0), (5.0, 0.0, 1e300)] {
             let data = data(&Setpoint { speed_mps, course_rad, altitude_m });
-            assert_eq!(setpoint_from_local_ned(&data), Err(SetpointRefusal::NotFinite));
+            assert_eq!(setpoint_from_local_ned(&data), Err(SetpointError::NotFinite));
         }
         let mut data = data(&Setpoint { speed_mps: 5.0, course_rad: 0.0, altitude_m: 50.0 });
         (data.x, data.vz, data.yaw) = (f32::NAN, f32::INFINITY, f32::NAN);
@@ -293,7 +292,7 @@ mod tests {
             (12.0, 0.0, 50.0, f64::NAN),
         ] {
             let refused = guided_commands(TARGET, &Setpoint { speed_mps, course_rad, ..good }, altitude_m, lateral);
-            assert_eq!(refused, Err(SetpointRefusal::NotFinite));
+            assert_eq!(refused, Err(SetpointError::NotFinite));
         }
     }
 

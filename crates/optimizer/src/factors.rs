@@ -1,4 +1,4 @@
-//! Eq. 13 and the factors c1 and c2 that come of the same D and M.
+//! Eq. 13, the size of the population, and the factors c1 and c2 that follow from the same D and M.
 
 /// N = M + floor(D/5), the pigeons of a flock.
 pub(crate) fn population(base_population: usize, dimension_setting: usize) -> usize {

@@ -17,8 +17,8 @@
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
-use crate::flock::{Evolve, ParetoFlock};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
+use crate::pareto_flock::{Evolve, ParetoFlock};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
 use crate::settings::{self, check_settings};

@@ -1,11 +1,11 @@
-//! Multi-objective social learning pigeon-inspired optimisation: Algorithm 1, Eq. 13 and 16-18 of Ruan and Duan.
+//! Algorithm 1 and Eq. 18 of Ruan and Duan: multi-objective social learning pigeon-inspired optimisation (MSLPIO).
 
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use crate::factors;
-use crate::flock::{Evolve, ParetoFlock};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
+use crate::pareto_flock::{Evolve, ParetoFlock};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
 use crate::settings::{self, check_settings};

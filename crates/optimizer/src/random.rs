@@ -4,8 +4,8 @@
 use rand::Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::flock::ParetoFlock;
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
+use crate::pareto_flock::ParetoFlock;
 use crate::population::uniform;
 use crate::problem::Problem;
 use crate::settings::{self, check_settings};

@@ -1,11 +1,11 @@
-//! Social learning pigeon-inspired optimisation of one objective, in two stages: Eq. 13-15 of Ruan and Duan.
+//! Eq. 14 and Eq. 15 of Ruan and Duan: social learning pigeon-inspired optimisation (SL-PIO) of one objective, in two stages.
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use crate::factors;
-use crate::flock::{ParetoFlock, mean};
 use crate::optimizer::{Front, OptimizeError, Optimizer, SettingsError};
+use crate::pareto_flock::{ParetoFlock, mean};
 use crate::population::{pick, uniform};
 use crate::problem::{Bounds, Problem, clamp};
 use crate::settings::{self, check_settings};

@@ -22,7 +22,7 @@ use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
 use crate::telemetry::streams::Stream;
 use crate::world::World;
 use flight_model::{Setpoint, State};
-use mavlink_bridge::{Counters, Incoming, SetpointRefusal, incoming};
+use mavlink_bridge::{Counters, Incoming, SetpointError, incoming};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -92,7 +92,7 @@ pub enum SetpointRefused {
     NotGuided(Mode),
     /// The setpoint itself cannot be flown.
     #[error(transparent)]
-    Setpoint(#[from] SetpointRefusal),
+    Setpoint(#[from] SetpointError),
 }
 
 impl Vehicle {
@@ -228,7 +228,7 @@ impl Vehicle {
     pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointRefused> {
         self.check_guided()?;
         if !setpoint.is_finite() {
-            return Err(SetpointRefusal::NotFinite.into());
+            return Err(SetpointError::NotFinite.into());
         }
         self.flight.set_ground_speed(setpoint.speed_mps);
         self.flight.set_course(setpoint.course_rad, f64::INFINITY);

@@ -5,7 +5,7 @@ use crate::config::Scenario;
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{
-    Counters, Encoder, Fleet, Identity, LinkError, LinkSettings, News, Order, SequenceTracker, Target, UdpLink,
+    Counters, Encoder, Fleet, FleetEvent, Identity, LinkError, LinkSettings, Order, SequenceTracker, Target, UdpLink,
     messages,
 };
 use std::collections::HashMap;
@@ -115,7 +115,7 @@ impl GroundStation {
 
     /// Waits for a datagram, logs its frames at `at_us`, and tells what each brought. A frame that comes again, byte for
     /// byte, is logged once. Cancel safe.
-    pub async fn recv(&mut self, at_us: u64, news: &mut Vec<News>) -> Result<(), LinkError> {
+    pub async fn recv(&mut self, at_us: u64, news: &mut Vec<FleetEvent>) -> Result<(), LinkError> {
         let from = self.link.recv(&mut self.received).await?;
         let now = self.started.elapsed();
         news.clear();
@@ -140,7 +140,7 @@ impl GroundStation {
         for message in messages {
             self.encoder.encode(message, &mut self.written);
         }
-        if let Some(address) = self.fleet.crafts().get(vehicle).and_then(|craft| craft.address) {
+        if let Some(address) = self.fleet.vehicles().get(vehicle).and_then(|vehicle| vehicle.address) {
             self.link.send_to(&self.written, address).await;
             self.log.datagram(at_us, &self.written);
         }
@@ -149,14 +149,14 @@ impl GroundStation {
 
     /// Sends a datagram again, which is in the log already.
     pub async fn send_again(&mut self, vehicle: usize, datagram: &[u8]) {
-        if let Some(address) = self.fleet.crafts().get(vehicle).and_then(|craft| craft.address) {
+        if let Some(address) = self.fleet.vehicles().get(vehicle).and_then(|vehicle| vehicle.address) {
             self.link.send_to(datagram, address).await;
         }
     }
 
     /// Whom a message to this vehicle names; everybody where it is not known.
     pub fn target(&self, vehicle: usize) -> Target {
-        self.fleet.crafts().get(vehicle).map_or_else(Target::default, |craft| craft.target)
+        self.fleet.vehicles().get(vehicle).map_or_else(Target::default, |vehicle| vehicle.target)
     }
 
     /// Waits until every vehicle has said where it is, then sees to it that all are armed and in GUIDED.
@@ -177,13 +177,13 @@ impl GroundStation {
         let mut known = usize::MAX;
         loop {
             let silent = |ground: &Self| -> Vec<usize> {
-                let crafts = ground.fleet.crafts().iter().enumerate();
-                crafts.filter(|(_, craft)| craft.position.is_none()).map(|(index, _)| index).collect()
+                let vehicles = ground.fleet.vehicles().iter().enumerate();
+                vehicles.filter(|(_, vehicle)| vehicle.position.is_none()).map(|(index, _)| index).collect()
             };
             let missing = silent(self);
             if missing.len() != known {
                 known = missing.len();
-                let vehicles = self.fleet.crafts().len();
+                let vehicles = self.fleet.vehicles().len();
                 tracing::debug!(heard = vehicles - known, vehicles, "waiting for every vehicle's position");
             }
             if missing.is_empty() {
@@ -205,12 +205,12 @@ impl GroundStation {
     async fn engage(&mut self, patience: Duration, at_us: u64) -> Result<(), FlightError> {
         let guided = command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, GUIDED as f32);
         let arm = command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 0.0);
-        for vehicle in 0..self.fleet.crafts().len() {
-            let craft = &self.fleet.crafts()[vehicle];
+        for vehicle in 0..self.fleet.vehicles().len() {
+            let craft = &self.fleet.vehicles()[vehicle];
             if craft.custom_mode != Some(GUIDED) {
                 self.insist(vehicle, "GUIDED", guided.clone(), patience, at_us).await?;
             }
-            if !self.fleet.crafts()[vehicle].armed {
+            if !self.fleet.vehicles()[vehicle].armed {
                 self.insist(vehicle, "arming", arm.clone(), patience, at_us).await?;
             }
         }
@@ -241,7 +241,7 @@ impl GroundStation {
                 if let Ok(received) = timeout(RETRY, self.recv(at_us, &mut news)).await {
                     received?;
                 }
-                match &self.fleet.crafts()[vehicle].last_ack {
+                match &self.fleet.vehicles()[vehicle].last_ack {
                     Some(ack) if ack.command == wanted && ack.result == MavResult::MAV_RESULT_ACCEPTED => {
                         tracing::debug!(vehicle = vehicle + 1, command = name, "accepted");
                         return Ok(());

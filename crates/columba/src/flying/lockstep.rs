@@ -9,7 +9,7 @@ use super::{FlightError, GroundStation, GroundTruth, Interval, Log, World};
 use crate::config::Scenario;
 use controller::Decision;
 use flight_model::State;
-use mavlink_bridge::{News, boot_ms, local_ned_setpoint};
+use mavlink_bridge::{FleetEvent, boot_ms, local_ned_setpoint};
 use std::time::Duration;
 use tokio::time::Instant;
 
@@ -38,9 +38,9 @@ impl Lockstep {
     async fn gather(&mut self, time: Duration) -> Result<(), FlightError> {
         let time_ms = boot_ms(time);
         let mut news = Vec::new();
-        let crafts = self.ground.fleet().crafts().iter();
+        let vehicles = self.ground.fleet().vehicles().iter();
         let mut behind: Vec<bool> =
-            crafts.map(|craft| craft.position.map(|at| at.time_boot_ms) != Some(time_ms)).collect();
+            vehicles.map(|vehicle| vehicle.position.map(|at| at.time_boot_ms) != Some(time_ms)).collect();
         let mut missing = behind.iter().filter(|behind| **behind).count();
         let mut deadline = Instant::now() + PATIENCE;
         while missing > 0 {
@@ -53,11 +53,11 @@ impl Lockstep {
             }
             // A datagram brings the positions of the way too: only its last one tells where the vehicle waits.
             let last = news.iter().rev().find_map(|news| match news {
-                News::Position(vehicle) => Some(*vehicle),
+                FleetEvent::Position(vehicle) => Some(*vehicle),
                 _ => None,
             });
             let Some(vehicle) = last.filter(|&vehicle| behind[vehicle]) else { continue };
-            let Some(position) = self.ground.fleet().crafts()[vehicle].position else { continue };
+            let Some(position) = self.ground.fleet().vehicles()[vehicle].position else { continue };
             if position.time_boot_ms == time_ms {
                 behind[vehicle] = false;
                 missing -= 1;
@@ -69,7 +69,8 @@ impl Lockstep {
         }
         self.now = time;
         self.states.clear();
-        self.states.extend(self.ground.fleet().crafts().iter().filter_map(|craft| craft.position.map(|at| at.state)));
+        self.states
+            .extend(self.ground.fleet().vehicles().iter().filter_map(|vehicle| vehicle.position.map(|at| at.state)));
         Ok(())
     }
 }

@@ -87,7 +87,7 @@ impl RealTime {
     /// Warns of vehicles that have become silent.
     fn watch_silence(&mut self) {
         let now = self.ground.now();
-        for (vehicle, (craft, warned)) in self.ground.fleet().crafts().iter().zip(&mut self.silent).enumerate() {
+        for (vehicle, (craft, warned)) in self.ground.fleet().vehicles().iter().zip(&mut self.silent).enumerate() {
             let silent = craft.last_heard.is_none_or(|heard| now.saturating_sub(heard) > SILENCE);
             if silent && !*warned {
                 tracing::warn!(vehicle = vehicle + 1, "no telemetry for {} s", SILENCE.as_secs());
@@ -99,7 +99,7 @@ impl RealTime {
     /// Takes over where all vehicles are at this moment.
     fn see(&mut self) {
         let now = self.ground.now();
-        for (state, craft) in self.states.iter_mut().zip(self.ground.fleet().crafts()) {
+        for (state, craft) in self.states.iter_mut().zip(self.ground.fleet().vehicles()) {
             if let Some(position) = craft.position {
                 *state = carry_forward(&position, now, self.speed);
             }
@@ -161,11 +161,6 @@ impl World for RealTime {
 fn carry_forward(position: &Position, now: Duration, speed: f64) -> State {
     let age_s = now.saturating_sub(position.heard).min(SILENCE).as_secs_f64() * speed;
     let state = position.state;
-    let (north_mps, east_mps) = state.velocity_mps();
-    State {
-        x_m: state.x_m + north_mps * age_s,
-        y_m: state.y_m + east_mps * age_s,
-        altitude_m: state.altitude_m + state.climb_mps * age_s,
-        ..state
-    }
+    let position_m = state.position_m() + state.velocity_mps() * age_s;
+    State { x_m: position_m.x, y_m: position_m.y, altitude_m: state.altitude_m + state.climb_mps * age_s, ..state }
 }

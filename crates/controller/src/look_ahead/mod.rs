@@ -1,4 +1,5 @@
-//! The predicted flight of one vehicle for every choice of weights of a generation (reading 11).
+//! Eq. 11 and Eq. 12: the predicted flight of one vehicle for every choice of weights of a generation (reading 11), and what it
+//! costs.
 //!
 //! From the present state the flocking law is applied again at every control period, the vehicle flying the exact
 //! discretisation of Eq. 1, while the neighbours follow their forecast. On the way the flight collects the costs of
@@ -6,8 +7,8 @@
 //! approach within every half control period. With a horizon of one control period this is the letter of the paper.
 
 use crate::command::Commander;
-use crate::flights::{BATCH, Each, Extent, Flights, Step};
 use crate::forecast::Passage;
+use crate::rollout::{BATCH, Each, Extent, Rollout, Step};
 use crate::{Expected, LawSettings, LookAheadSettings, Obstacle, ObstacleRule, WeightKind};
 use flight_model::{Dynamics, State};
 use multiversion::multiversion;
@@ -55,7 +56,7 @@ pub struct WeightProblem<'a> {
     pub scene: Scene<'a>,
     pub kind: WeightKind,
     pub bounds: &'a [Bounds],
-    pub flights: &'a mut Flights,
+    pub rollout: &'a mut Rollout,
 }
 
 impl LookAhead {
@@ -84,10 +85,10 @@ impl LookAhead {
         commands: &Commands,
         weights: [f64; 3],
         pigeons: usize,
-        flights: &'f mut Flights,
+        rollout: &'f mut Rollout,
     ) -> &'f [f64] {
-        fly(self, scene, Some(commands), &weights.map(|weight| [weight; BATCH]), pigeons, flights);
-        &flights.violation_m[..pigeons.min(BATCH)]
+        fly(self, scene, Some(commands), &weights.map(|weight| [weight; BATCH]), pigeons, rollout);
+        &rollout.violation_m[..pigeons.min(BATCH)]
     }
 
     /// Flies `pigeons` choices of weights (alpha_f, alpha_o, alpha_nv) through the scene.
@@ -98,20 +99,20 @@ impl LookAhead {
         first: Option<&Commands>,
         weights: &[Each; 3],
         pigeons: usize,
-        flights: &mut Flights,
+        rollout: &mut Rollout,
     ) {
         let law = &self.law;
         let expected = &scene.expected;
         let ahead = expected.direction();
-        flights.start(&scene.state, pigeons);
-        let mut here = flights.extent();
+        rollout.start(&scene.state, pigeons);
+        let mut here = rollout.extent();
         for k in 0..=self.steps {
-            flights.clear_terms();
+            rollout.clear_terms();
             let before = here;
-            here = flights.extent();
-            self.meet_neighbours(scene, k, &here, flights);
+            here = rollout.extent();
+            self.meet_neighbours(scene, k, &here, rollout);
             if k > 0 {
-                self.keep_clear(scene, k, &before, &here, flights);
+                self.keep_clear(scene, k, &before, &here, rollout);
             }
             if k == self.steps {
                 break;
@@ -121,52 +122,52 @@ impl LookAhead {
                 if law.obstacle_rule == ObstacleRule::Nearest
                     || here.may_be_blocked(obstacle.x_m, obstacle.y_m, inflated_m, ahead)
                 {
-                    flights.offer_obstacle(law, expected, obstacle);
+                    rollout.offer_obstacle(law, expected, obstacle);
                 }
             }
             match first {
-                Some(first) if k == 0 => flights.follow(&first.speed_setpoint_mps, &first.course_change_rad),
-                _ => flights.follow_law(&self.commander, law, expected, weights),
+                Some(first) if k == 0 => rollout.follow(&first.speed_setpoint_mps, &first.course_change_rad),
+                _ => rollout.follow_law(&self.commander, law, expected, weights),
             }
-            flights.advance(&self.step);
-            flights.add_progress(law, expected, scene.detected);
+            rollout.advance(&self.step);
+            rollout.add_progress(law, expected, scene.detected);
         }
     }
 
     /// The neighbours' terms at the `k`-th control period.
     #[inline(always)]
-    fn meet_neighbours(&self, scene: &Scene<'_>, k: usize, here: &Extent, flights: &mut Flights) {
+    fn meet_neighbours(&self, scene: &Scene<'_>, k: usize, here: &Extent, rollout: &mut Rollout) {
         let range_m = self.law.communication_distance_m.max(self.law.safe_distance_m);
         for passages in scene.neighbours.chunks_exact(1 + 2 * self.steps) {
             let there = &passages[2 * k];
             if here.is_within(there.x_m, there.y_m, range_m) {
-                flights.add_neighbour(&self.law, there, k > 0);
+                rollout.add_neighbour(&self.law, there, k > 0);
             }
         }
     }
 
     /// Both constraints over the `k`-th control period, which began in `before` and ended in `here`.
     #[inline(always)]
-    fn keep_clear(&self, scene: &Scene<'_>, k: usize, before: &Extent, here: &Extent, flights: &mut Flights) {
-        let half_way = flights.extent_half_way();
+    fn keep_clear(&self, scene: &Scene<'_>, k: usize, before: &Extent, here: &Extent, rollout: &mut Rollout) {
+        let half_way = rollout.extent_half_way();
         let (first, second) = (before.and(&half_way), half_way.and(here));
         let wanted_m = self.separation_m;
         for passages in scene.neighbours.chunks_exact(1 + 2 * self.steps) {
-            let [start, middle, end] = [2 * k - 2, 2 * k - 1, 2 * k].map(|i| (passages[i].x_m, passages[i].y_m));
+            let [start, middle, end] = [2 * k - 2, 2 * k - 1, 2 * k].map(|i| passages[i].position_m());
             if first.may_be_met(start, middle, wanted_m) {
-                flights.keep_off_first_half(start, middle, wanted_m);
+                rollout.keep_off_first_half(start, middle, wanted_m);
             }
             if second.may_be_met(middle, end, wanted_m) {
-                flights.keep_off_second_half(middle, end, wanted_m);
+                rollout.keep_off_second_half(middle, end, wanted_m);
             }
         }
         for obstacle in scene.close_obstacles {
-            let (place, wanted_m) = ((obstacle.x_m, obstacle.y_m), obstacle.radius_m + self.clearance_m);
+            let (place, wanted_m) = (obstacle.centre_m(), obstacle.radius_m + self.clearance_m);
             if first.may_be_met(place, place, wanted_m) {
-                flights.keep_off_first_half(place, place, wanted_m);
+                rollout.keep_off_first_half(place, place, wanted_m);
             }
             if second.may_be_met(place, place, wanted_m) {
-                flights.keep_off_second_half(place, place, wanted_m);
+                rollout.keep_off_second_half(place, place, wanted_m);
             }
         }
     }
@@ -192,12 +193,12 @@ impl Problem for WeightProblem<'_> {
                 let dimension = if self.kind == WeightKind::Shared { 0 } else { term };
                 weight[..count].copy_from_slice(&candidates.coordinate(dimension)[start..end]);
             }
-            fly(self.look_ahead, &self.scene, None, &weights, count, self.flights);
+            fly(self.look_ahead, &self.scene, None, &weights, count, self.rollout);
             let ([cost_1, cost_2], violation) = evaluations.objectives_and_violation();
             for i in 0..count {
-                cost_1[start + i] = self.flights.cost_1[i] * mean;
-                cost_2[start + i] = self.flights.cost_2[i] * mean;
-                violation[start + i] = self.flights.violation_m[i];
+                cost_1[start + i] = self.rollout.cost_1[i] * mean;
+                cost_2[start + i] = self.rollout.cost_2[i] * mean;
+                violation[start + i] = self.rollout.violation_m[i];
             }
             start = end;
         }
@@ -212,9 +213,9 @@ fn fly(
     first: Option<&Commands>,
     weights: &[Each; 3],
     pigeons: usize,
-    flights: &mut Flights,
+    rollout: &mut Rollout,
 ) {
-    look_ahead.fly(scene, first, weights, pigeons, flights);
+    look_ahead.fly(scene, first, weights, pigeons, rollout);
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
-//! The batch of pigeons against one vehicle at a time: the law as `terms.rs` and `steering.rs` have it, flown by the
+//! The batch of pigeons against one vehicle at a time: the law as `terms/mod.rs` has it, flown by the
 //! vehicle model, with costs summed up as one reads Eq. 11 and 12.
 
 use super::*;
-use crate::law::{command, heading};
+use crate::closest_approach::closest_approach_m;
+use crate::law::command;
 use crate::terms::Neighbour;
-use crate::vector::Vec2;
-use crate::{AltitudeLaw, steering};
-use flight_model::Autopilot;
+use crate::{AltitudeLaw, terms};
+use flight_model::{Autopilot, course_vector};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 const PERIOD_S: f64 = 0.5;
@@ -31,59 +32,52 @@ fn plain(law: &LawSettings, settings: &LookAheadSettings, scene: &Scene<'_>, wei
     let steps = settings.steps(PERIOD_S);
     let passage = |neighbour: usize, instant: usize| scene.neighbours[neighbour * (1 + 2 * steps) + instant];
     let count = scene.neighbours.len() / (1 + 2 * steps);
-    let (ahead_x, ahead_y) = scene.expected.direction();
+    let ahead = scene.expected.direction();
     let mut state = scene.state;
     let mut sum = Plain { cost_1: 0.0, cost_2: 0.0, violation_m: 0.0 };
     for step in 0..steps {
         let near: Vec<Neighbour> = (0..count)
             .map(|neighbour| {
                 let there = passage(neighbour, 2 * step);
-                Neighbour {
-                    position_m: Vec2::new(there.x_m, there.y_m),
-                    velocity_mps: Vec2::new(there.vx_mps, there.vy_mps),
-                }
+                Neighbour { position_m: there.position_m(), velocity_mps: Vector2::new(there.vx_mps, there.vy_mps) }
             })
             .collect();
         let setpoint = command(law, &scene.expected, &commander, &state, &near, scene.obstacles, weights);
         // The batch samples the middle by the trapezium of velocities.
         let (middle, end) = (half.step(&state, &setpoint), autopilot.step(&state, &setpoint));
-        let ((vx_0, vy_0), (vx_1, vy_1)) = (state.velocity_mps(), middle.velocity_mps());
-        let (middle_x, middle_y) =
-            (state.x_m + (vx_0 + vx_1) * PERIOD_S / 4.0, state.y_m + (vy_0 + vy_1) * PERIOD_S / 4.0);
-        let (from_x, from_y) = (state.x_m, state.y_m);
+        let from_m = state.position_m();
+        let middle_m = from_m + (state.velocity_mps() + middle.velocity_mps()) * PERIOD_S / 4.0;
         state = end;
 
-        let (vx, vy) = state.velocity_mps();
-        let own = [Vec2::new(from_x, from_y), Vec2::new(middle_x, middle_y), Vec2::new(state.x_m, state.y_m)];
-        let mut keep_off = |places: [Vec2; 3], wanted_m: f64| {
+        let velocity_mps = state.velocity_mps();
+        let own = [from_m, middle_m, state.position_m()];
+        let mut keep_off = |places: [Vector2<f64>; 3], wanted_m: f64| {
             for half in 0..2 {
-                let nearest_m = (places[half] - own[half]).nearest_to(places[half + 1] - own[half + 1]);
+                let nearest_m = closest_approach_m(places[half] - own[half], places[half + 1] - own[half + 1]);
                 sum.violation_m += shortfall(nearest_m, wanted_m);
             }
         };
         for neighbour in 0..count {
-            let places = [0, 1, 2].map(|half| {
-                let there = passage(neighbour, 2 * step + half);
-                Vec2::new(there.x_m, there.y_m)
-            });
+            let places = [0, 1, 2].map(|half| passage(neighbour, 2 * step + half).position_m());
             keep_off(places, settings.separation_m);
         }
         for obstacle in scene.close_obstacles {
-            keep_off([Vec2::new(obstacle.x_m, obstacle.y_m); 3], obstacle.radius_m + settings.clearance_m);
+            keep_off([obstacle.centre_m(); 3], obstacle.radius_m + settings.clearance_m);
         }
         for neighbour in 0..count {
             let there = passage(neighbour, 2 * step + 2);
-            let distance_m = Vec2::new(there.x_m - state.x_m, there.y_m - state.y_m).norm();
+            let distance_m = (there.position_m() - state.position_m()).norm();
             if distance_m <= law.communication_distance_m {
                 let gap = law.desired_distance_m - distance_m;
                 let gap = if law.communication_distance_m > law.desired_distance_m { gap.abs() } else { gap };
-                sum.cost_2 += law.influence_factor * (gap + (vx - there.vx_mps).abs() + (vy - there.vy_mps).abs());
+                sum.cost_2 += law.influence_factor
+                    * (gap + (velocity_mps.x - there.vx_mps).abs() + (velocity_mps.y - there.vy_mps).abs());
             }
         }
         let speed_mps = scene.expected.speed_mps;
-        let deviation_mps = (ahead_x * speed_mps - vx).abs() + (ahead_y * speed_mps - vy).abs();
+        let deviation_mps = (ahead * speed_mps - velocity_mps).abs().sum();
         sum.cost_1 += if scene.detected {
-            law.velocity_cost_s * deviation_mps - (state.x_m * ahead_x + state.y_m * ahead_y)
+            law.velocity_cost_s * deviation_mps - state.position_m().dot(&ahead)
         } else {
             deviation_mps
         };
@@ -144,17 +138,17 @@ proptest! {
         let mut forecast = crate::forecast::Forecast::default();
         forecast.extrapolate(&others, settings.steps(PERIOD_S), PERIOD_S);
         let neighbours: Vec<Passage> = (0..others.len()).flat_map(|i| forecast.vehicle(i).to_vec()).collect();
-        let position_m = Vec2::new(state.x_m, state.y_m);
-        let detected = obstacles.iter().any(|o| steering::detects(&law, position_m, heading(&state), o));
+        let heading = course_vector(state.course_rad);
+        let detected = obstacles.iter().any(|o| terms::detects(&law, state.position_m(), heading, o));
         let scene = Scene {
             state, expected: EXPECTED, obstacles: &obstacles, close_obstacles: &obstacles, detected, neighbours: &neighbours,
         };
         let columns: Vec<f64> = (0..3).flat_map(|term| weights.iter().map(move |row| row[term])).collect();
         let (mut costs, mut violations) = (vec![0.0; 2 * weights.len()], vec![0.0; weights.len()]);
         let bounds = [Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0)];
-        let mut flights = Box::new(Flights::new());
+        let mut rollout = Box::new(Rollout::new());
         let mut problem = WeightProblem {
-            look_ahead: &look_ahead, scene: scene.clone(), kind: WeightKind::PerTerm, bounds: &bounds, flights: &mut flights,
+            look_ahead: &look_ahead, scene: scene.clone(), kind: WeightKind::PerTerm, bounds: &bounds, rollout: &mut rollout,
         };
         problem.evaluate(
             &Candidates::new(&columns, weights.len()),

@@ -23,7 +23,7 @@ pub fn field(seed: u64, vehicles: usize) -> (FlockSettings, Vec<State>) {
         let radius_m = rng.random_range(4.0..14.0);
         let circle =
             Obstacle { x_m: rng.random_range(45.0 + radius_m..330.0), y_m: rng.random_range(-50.0..50.0), radius_m };
-        if obstacles.iter().all(|other| other.clearance_m(circle.x_m, circle.y_m) - radius_m >= GAP_M) {
+        if obstacles.iter().all(|other| other.clearance_m(circle.centre_m()) - radius_m >= GAP_M) {
             obstacles.push(circle);
         }
     }
@@ -89,11 +89,11 @@ impl Flown {
     fn judge(&mut self, obstacles: &[Obstacle]) {
         for (index, state) in self.states.iter().enumerate() {
             for other in &self.states[..index] {
-                let (dx, dy) = (other.x_m - state.x_m, other.y_m - state.y_m);
-                self.min_separation_m = self.min_separation_m.min((dx * dx + dy * dy).sqrt());
+                let separation_m = (other.position_m() - state.position_m()).norm();
+                self.min_separation_m = self.min_separation_m.min(separation_m);
             }
             for obstacle in obstacles {
-                self.min_clearance_m = self.min_clearance_m.min(obstacle.clearance_m(state.x_m, state.y_m));
+                self.min_clearance_m = self.min_clearance_m.min(obstacle.clearance_m(state.position_m()));
             }
         }
     }

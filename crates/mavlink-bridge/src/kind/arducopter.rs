@@ -8,7 +8,7 @@ use super::{Launch, Parameters, Seen, Situation, VehicleLimits};
 use crate::dialect::{MavCmd, MavFrame, Message, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA};
 use crate::setpoint::finite_f32;
 use crate::telemetry::boot_ms;
-use crate::{SetpointRefusal, Target};
+use crate::{SetpointError, Target};
 use flight_model::Setpoint;
 
 /// Numbers of modes (`ArduCopter/mode.h`).
@@ -96,7 +96,7 @@ pub(super) fn setpoint(
     target: Target,
     setpoint: &Setpoint,
     situation: &Situation<'_>,
-) -> Result<Vec<Message>, SetpointRefusal> {
+) -> Result<Vec<Message>, SetpointError> {
     let (sin, cos) = libm::sincos(setpoint.course_rad);
     let limits = situation.limits;
     let climb_mps = (ALTITUDE_GAIN_PER_S * (setpoint.altitude_m - situation.state.altitude_m))

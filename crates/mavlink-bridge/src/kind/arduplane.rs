@@ -9,7 +9,7 @@ use super::commands::{arm, command_int, set_mode};
 use super::{Launch, Parameters, Seen, Situation, VehicleLimits, airspeed_mps, amsl_m};
 use crate::dialect::{MavCmd, MavFrame, Message};
 use crate::setpoint::{course_deg, finite_f32, flyable_altitude_m};
-use crate::{SetpointRefusal, Target};
+use crate::{SetpointError, Target};
 use flight_model::Setpoint;
 
 /// Numbers of modes (`ArduPlane/mode.h`).
@@ -97,7 +97,7 @@ pub(super) fn setpoint(
     target: Target,
     setpoint: &Setpoint,
     situation: &Situation<'_>,
-) -> Result<Vec<Message>, SetpointRefusal> {
+) -> Result<Vec<Message>, SetpointError> {
     let speed_mps = finite_f32(airspeed_mps(setpoint, situation))?;
     let altitude_m = flyable_altitude_m(finite_f32(amsl_m(setpoint.altitude_m, situation))?);
     let course_deg = course_deg(setpoint.course_rad)?;

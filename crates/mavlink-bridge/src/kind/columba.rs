@@ -5,7 +5,7 @@ use super::commands::{arm, command_long, set_mode};
 use super::{Launch, Seen, Situation, arduplane, local_m};
 use crate::dialect::{MavCmd, Message};
 use crate::setpoint::{finite_f32, local_ned_setpoint};
-use crate::{SetpointRefusal, Target};
+use crate::{SetpointError, Target};
 use flight_model::Setpoint;
 
 const RTL: u32 = 11;
@@ -39,7 +39,7 @@ pub(super) fn setpoint(
     target: Target,
     setpoint: &Setpoint,
     situation: &Situation<'_>,
-) -> Result<Vec<Message>, SetpointRefusal> {
+) -> Result<Vec<Message>, SetpointError> {
     let altitude_m = local_m(setpoint.altitude_m, situation)?;
     finite_f32(setpoint.speed_mps)?;
     finite_f32(altitude_m)?;

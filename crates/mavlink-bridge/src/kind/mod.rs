@@ -17,7 +17,7 @@ mod px4_multicopter;
 pub use commands::{arm, command_int, command_long, request_message, set_message_interval};
 
 use crate::dialect::{MavAutopilot, MavType, Message};
-use crate::{SetpointRefusal, Target};
+use crate::{SetpointError, Target};
 use flight_model::{Geodetic, Limits, LocalFrame, Setpoint, State};
 use std::time::Duration;
 
@@ -315,9 +315,9 @@ impl Driver {
         target: Target,
         setpoint: &Setpoint,
         situation: &Situation<'_>,
-    ) -> Result<Vec<Message>, SetpointRefusal> {
+    ) -> Result<Vec<Message>, SetpointError> {
         if !setpoint.is_finite() || !situation.state.is_finite() {
-            return Err(SetpointRefusal::NotFinite);
+            return Err(SetpointError::NotFinite);
         }
         match self.kind {
             AutopilotKind::ArduPlane => arduplane::setpoint(target, setpoint, situation),
@@ -371,8 +371,8 @@ fn amsl_m(altitude_m: f64, situation: &Situation<'_>) -> f64 {
 }
 
 /// An altitude of the scenario's frame above the vehicle's own local origin, m.
-fn local_m(altitude_m: f64, situation: &Situation<'_>) -> Result<f64, SetpointRefusal> {
-    let origin_m = situation.local_origin_amsl_m.ok_or(SetpointRefusal::OriginUnknown)?;
+fn local_m(altitude_m: f64, situation: &Situation<'_>) -> Result<f64, SetpointError> {
+    let origin_m = situation.local_origin_amsl_m.ok_or(SetpointError::OriginUnknown)?;
     Ok(amsl_m(altitude_m, situation) - origin_m)
 }
 

@@ -7,7 +7,7 @@ use super::px4_multicopter::{HOLD, TAKEOFF, take_off};
 use super::{Launch, Parameters, Seen, Situation, SoftwareVersion, VehicleLimits, ahead, airspeed_mps, amsl_m};
 use crate::dialect::{MavCmd, MavFrame, Message};
 use crate::setpoint::{course_deg, finite_f32};
-use crate::{SetpointRefusal, Target};
+use crate::{SetpointError, Target};
 use flight_model::Setpoint;
 use std::time::Duration;
 
@@ -56,7 +56,7 @@ pub(super) fn setpoint(
     setpoint: &Setpoint,
     situation: &Situation<'_>,
     version: Option<SoftwareVersion>,
-) -> Result<Vec<Message>, SetpointRefusal> {
+) -> Result<Vec<Message>, SetpointError> {
     let speed_mps = finite_f32(airspeed_mps(setpoint, situation))?;
     let altitude_m = finite_f32(amsl_m(setpoint.altitude_m, situation))?;
     let course_deg = course_deg(setpoint.course_rad)?;

@@ -8,7 +8,7 @@ use super::commands::{arm, set_px4_mode};
 use super::{Launch, Parameters, Seen, Situation, VehicleLimits, local_m};
 use crate::dialect::Message;
 use crate::setpoint::{finite_f32, local_ned_setpoint};
-use crate::{SetpointRefusal, Target};
+use crate::{SetpointError, Target};
 use flight_model::Setpoint;
 
 /// HEARTBEAT.custom_mode: main mode in bits 16 to 23, sub mode above (`px4_custom_mode.h`).
@@ -77,7 +77,7 @@ pub(super) fn setpoint(
     target: Target,
     setpoint: &Setpoint,
     situation: &Situation<'_>,
-) -> Result<Vec<Message>, SetpointRefusal> {
+) -> Result<Vec<Message>, SetpointError> {
     let altitude_m = local_m(setpoint.altitude_m, situation)?;
     finite_f32(setpoint.speed_mps)?;
     finite_f32(altitude_m)?;

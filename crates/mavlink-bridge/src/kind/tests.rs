@@ -13,7 +13,7 @@ fn limits() -> Limits {
     Limits { lateral_overload_max: 0.7, ..Limits::default() }
 }
 
-fn messages(driver: &Driver, setpoint: &Setpoint) -> Result<Vec<Message>, SetpointRefusal> {
+fn messages(driver: &Driver, setpoint: &Setpoint) -> Result<Vec<Message>, SetpointError> {
     messages_with(driver, setpoint, Some(570.0), 0.0)
 }
 
@@ -22,7 +22,7 @@ fn messages_with(
     setpoint: &Setpoint,
     local_origin_amsl_m: Option<f64>,
     airspeed_excess_mps: f64,
-) -> Result<Vec<Message>, SetpointRefusal> {
+) -> Result<Vec<Message>, SetpointError> {
     let frame = LocalFrame::new(ORIGIN);
     let situation = Situation {
         state: State { altitude_m: 48.0, speed_mps: 19.0, ..State::default() },
@@ -108,7 +108,7 @@ fn px4_multicopters_take_velocity_and_altitude_above_their_own_origin() {
     assert_eq!((data.type_mask.bits(), data.coordinate_frame), (0xDE3, MavFrame::MAV_FRAME_LOCAL_NED));
     assert_eq!(data.z, -64.0, "584 + 50 above the sea, the origin at 570");
     assert_eq!((data.target_component, data.vx), (1, 10.0));
-    assert_eq!(messages_with(&driver, &setpoint(10.0, 0.0, 50.0), None, 0.0), Err(SetpointRefusal::OriginUnknown));
+    assert_eq!(messages_with(&driver, &setpoint(10.0, 0.0, 50.0), None, 0.0), Err(SetpointError::OriginUnknown));
 }
 
 #[test]

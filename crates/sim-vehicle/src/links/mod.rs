@@ -260,11 +260,11 @@ impl Links {
     }
 
     pub fn acknowledge(&mut self, index: usize, command: u16, result: MavResult, target: Target) {
-        self.write(index, |encoder, frame| encoder.encode_command_ack_raw(command, result, target, frame));
+        self.write(index, |encoder, frame| encoder.encode_command_ack(command, result, target, frame));
     }
 
     pub fn acknowledge_plan(&mut self, index: usize, mission_type: u8, result: MavMissionResult, target: Target) {
-        self.write(index, |encoder, frame| encoder.encode_mission_ack_raw(mission_type, result, target, frame));
+        self.write(index, |encoder, frame| encoder.encode_mission_ack(mission_type, result, target, frame));
     }
 
     /// Whether a peer can be sent a message: MAVLink 1 has ids up to 255.

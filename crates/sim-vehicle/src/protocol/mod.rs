@@ -85,7 +85,7 @@ impl Vehicle {
                 if let Some(velocity) = setpoint.velocity {
                     self.flight.set_ground_speed(full.speed_mps);
                     // A velocity of zero has no direction: the course stays.
-                    if velocity != (0.0, 0.0) {
+                    if velocity.norm_squared() > 0.0 {
                         self.flight.set_course(full.course_rad, f64::INFINITY);
                     }
                 }

@@ -85,7 +85,8 @@ impl Instruments<'_> {
 
     /// A velocity over ground as the body has it: forward, right, down, m/s.
     fn to_body(&self, state: &State) -> [f32; 3] {
-        let (north, east) = state.velocity_mps();
+        let velocity_mps = state.velocity_mps();
+        let (north, east) = (velocity_mps.x, velocity_mps.y);
         let down = -state.climb_mps;
         let [(sr, cr), (sp, cp), (sy, cy)] = self.attitude_rad().map(libm::sincos);
         let (ahead, right) = (cy * north + sy * east, cy * east - sy * north);

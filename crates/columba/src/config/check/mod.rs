@@ -272,7 +272,7 @@ pub fn starts(scenario: &Scenario, by_pattern: bool, faults: &mut Faults) {
             add(index, format!("must be within {LENGTH_MAX_M} m of the origin in x and y"));
         }
         for (number, obstacle) in scenario.obstacles.iter().enumerate() {
-            let clearance_m = obstacle.clearance_m(start.x_m, start.y_m);
+            let clearance_m = obstacle.clearance_m(start.position_m());
             if clearance_m <= 0.0 && !obstacles_at_fault[number] {
                 let inside_m = -clearance_m;
                 add(

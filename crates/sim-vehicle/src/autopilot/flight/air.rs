@@ -85,9 +85,9 @@ impl Flight {
 
     /// Acceleration over the last step, (north, east, up) in m/s2.
     pub fn acceleration_mps2(&self) -> [f64; 3] {
-        let (now, before) = (self.state.velocity_mps(), self.air.before.velocity_mps());
+        let change_mps = self.state.velocity_mps() - self.air.before.velocity_mps();
         let climb_mps = self.state.climb_mps - self.air.before.climb_mps;
-        [now.0 - before.0, now.1 - before.1, climb_mps].map(|change| change / self.autopilot.step_s())
+        [change_mps.x, change_mps.y, climb_mps].map(|change| change / self.autopilot.step_s())
     }
 
     /// Power that the speed asked for needs in level flight, as a share of the motor's greatest.

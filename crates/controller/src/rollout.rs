@@ -1,7 +1,8 @@
-//! A generation's pigeons in flight: one array for each quantity, one plain loop for each part of the law.
+//! The rollout of a generation: its pigeons fly the law (Eq. 4-8) and collect the costs (Eq. 11 and Eq. 12), one array for each
+//! quantity, one plain loop for each part of the law.
 //!
 //! Every loop runs over the pigeons and does the same to each without a branch or a call, so the compiler vectorises it.
-//! `terms.rs` and `steering.rs` say the same for one vehicle as one reads it; the tests hold the two together.
+//! `terms/mod.rs` says the same for one vehicle as one reads it; the tests of `look_ahead/mod.rs` hold the two together.
 
 // One index runs over a dozen columns at once.
 #![allow(clippy::needless_range_loop)]
@@ -9,9 +10,10 @@
 use crate::command::Commander;
 use crate::forecast::Passage;
 use crate::polynomial::{ln, sincos};
-use crate::steering::half_angle;
+use crate::terms::half_angle;
 use crate::{Expected, LawSettings, Obstacle, ObstacleRule};
 use flight_model::State;
+use nalgebra::Vector2;
 
 /// Pigeons that fly together; a larger generation flies in several batches.
 pub const BATCH: usize = 64;
@@ -23,18 +25,21 @@ const VECTOR: usize = 8;
 pub type Each = [f64; BATCH];
 
 /// What is near the box of all pigeons may be near one of them; what is not is passed over for all at once.
+///
+/// Its sums are written out: a vector's operators would be calls that are not compiled for the vector instructions of the
+/// batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
-    low: (f64, f64),
-    high: (f64, f64),
+    low: Vector2<f64>,
+    high: Vector2<f64>,
 }
 
 impl Extent {
     /// Whether a place is within a distance of the box.
     #[inline(always)]
     pub fn is_within(&self, x_m: f64, y_m: f64, distance_m: f64) -> bool {
-        let dx = (self.low.0 - x_m).max(x_m - self.high.0).max(0.0);
-        let dy = (self.low.1 - y_m).max(y_m - self.high.1).max(0.0);
+        let dx = (self.low.x - x_m).max(x_m - self.high.x).max(0.0);
+        let dy = (self.low.y - y_m).max(y_m - self.high.y).max(0.0);
         dx * dx + dy * dy <= distance_m * distance_m
     }
 }
@@ -44,34 +49,33 @@ impl Extent {
     #[inline(always)]
     pub fn and(&self, other: &Self) -> Self {
         Self {
-            low: (self.low.0.min(other.low.0), self.low.1.min(other.low.1)),
-            high: (self.high.0.max(other.high.0), self.high.1.max(other.high.1)),
+            low: Vector2::new(self.low.x.min(other.low.x), self.low.y.min(other.low.y)),
+            high: Vector2::new(self.high.x.max(other.high.x), self.high.y.max(other.high.y)),
         }
     }
 
     /// Whether something that goes from one place to another may come within a distance of the box.
     #[inline(always)]
-    pub fn may_be_met(&self, from_m: (f64, f64), to_m: (f64, f64), distance_m: f64) -> bool {
-        let (half_x, half_y) = (0.5 * (to_m.0 - from_m.0), 0.5 * (to_m.1 - from_m.1));
+    pub fn may_be_met(&self, from_m: Vector2<f64>, to_m: Vector2<f64>, distance_m: f64) -> bool {
+        let (half_x, half_y) = (0.5 * (to_m.x - from_m.x), 0.5 * (to_m.y - from_m.y));
         let half_m = (half_x * half_x + half_y * half_y).sqrt();
-        self.is_within(from_m.0 + half_x, from_m.1 + half_y, distance_m + half_m)
+        self.is_within(from_m.x + half_x, from_m.y + half_y, distance_m + half_m)
     }
 
     /// Whether a circle can reach into the corridor of this half width that runs from a place in the box along `ahead`.
     #[inline(always)]
-    pub fn may_be_blocked(&self, x_m: f64, y_m: f64, half_width_m: f64, ahead: (f64, f64)) -> bool {
-        let offset = (x_m - 0.5 * (self.low.0 + self.high.0), y_m - 0.5 * (self.low.1 + self.high.1));
-        let half = (0.5 * (self.high.0 - self.low.0), 0.5 * (self.high.1 - self.low.1));
-        let along_m = offset.0 * ahead.0 + offset.1 * ahead.1 + (half.0 * ahead.0.abs() + half.1 * ahead.1.abs());
-        let across_m =
-            (ahead.0 * offset.1 - ahead.1 * offset.0).abs() - (half.0 * ahead.1.abs() + half.1 * ahead.0.abs());
+    pub fn may_be_blocked(&self, x_m: f64, y_m: f64, half_width_m: f64, ahead: Vector2<f64>) -> bool {
+        let (dx, dy) = (x_m - 0.5 * (self.low.x + self.high.x), y_m - 0.5 * (self.low.y + self.high.y));
+        let (half_x, half_y) = (0.5 * (self.high.x - self.low.x), 0.5 * (self.high.y - self.low.y));
+        let along_m = dx * ahead.x + dy * ahead.y + (half_x * ahead.x.abs() + half_y * ahead.y.abs());
+        let across_m = (ahead.x * dy - ahead.y * dx).abs() - (half_x * ahead.y.abs() + half_y * ahead.x.abs());
         // A micrometre for the rounding of the box against that of the law.
         along_m > -1e-6 && across_m < half_width_m + 1e-6
     }
 }
 
 /// The vehicles of a batch, one for each pigeon, and what the law has summed up for them so far.
-pub struct Flights {
+pub struct Rollout {
     /// Pigeons in the batch, rounded up to full vectors: the last ones are computed and never read.
     pub count: usize,
     x: Each,
@@ -104,7 +108,7 @@ pub struct Flights {
     pub violation_m: Each,
 }
 
-impl Flights {
+impl Rollout {
     pub const fn new() -> Self {
         const ZERO: Each = [0.0; BATCH];
         Self {
@@ -231,7 +235,8 @@ impl Flights {
     /// Lets one obstacle steer the pigeons that detect it and whose way it blocks, where it is the nearest that does.
     #[inline(always)]
     pub fn offer_obstacle(&mut self, law: &LawSettings, expected: &Expected, obstacle: &Obstacle) {
-        let (ahead_x, ahead_y) = expected.direction();
+        let ahead = expected.direction();
+        let (ahead_x, ahead_y) = (ahead.x, ahead.y);
         let radius_m = obstacle.radius_m;
         let inflated_m = radius_m + law.obstacle_margin_m;
         let any = law.obstacle_rule == ObstacleRule::Nearest;
@@ -254,7 +259,8 @@ impl Flights {
     /// Eq. 4 with each pigeon's weights, then Eq. 2: the command that each follows next.
     #[inline(always)]
     pub fn follow_law(&mut self, commander: &Commander, law: &LawSettings, expected: &Expected, weights: &[Each; 3]) {
-        let (ahead_x, ahead_y) = expected.direction();
+        let ahead = expected.direction();
+        let (ahead_x, ahead_y) = (ahead.x, ahead.y);
         for i in 0..self.count.min(BATCH) {
             let (cos, sin, speed) = (self.cos[i], self.sin[i], self.speed[i]);
 
@@ -344,7 +350,8 @@ impl Flights {
     /// Adds Eq. 11, in sight of obstacles with a share of the deviation from the expected velocity.
     #[inline(always)]
     pub fn add_progress(&mut self, law: &LawSettings, expected: &Expected, detected: bool) {
-        let (ahead_x, ahead_y) = expected.direction();
+        let ahead = expected.direction();
+        let (ahead_x, ahead_y) = (ahead.x, ahead.y);
         let (vx, vy) = (ahead_x * expected.speed_mps, ahead_y * expected.speed_mps);
         for i in 0..self.count.min(BATCH) {
             let progress = -(self.x[i] * ahead_x + self.y[i] * ahead_y);
@@ -356,14 +363,14 @@ impl Flights {
     /// Adds the metres by which the vehicles fell short of `wanted_m` from something in the first half of the last step,
     /// which went from one place to another meanwhile.
     #[inline(always)]
-    pub fn keep_off_first_half(&mut self, from_m: (f64, f64), to_m: (f64, f64), wanted_m: f64) {
+    pub fn keep_off_first_half(&mut self, from_m: Vector2<f64>, to_m: Vector2<f64>, wanted_m: f64) {
         let (start, end) = ((&self.start_x, &self.start_y), (&self.middle_x, &self.middle_y));
         add_shortfall(&mut self.violation_m, start, end, self.count, (from_m, to_m), wanted_m);
     }
 
     /// The same of the second half.
     #[inline(always)]
-    pub fn keep_off_second_half(&mut self, from_m: (f64, f64), to_m: (f64, f64), wanted_m: f64) {
+    pub fn keep_off_second_half(&mut self, from_m: Vector2<f64>, to_m: Vector2<f64>, wanted_m: f64) {
         let (start, end) = ((&self.middle_x, &self.middle_y), (&self.x, &self.y));
         add_shortfall(&mut self.violation_m, start, end, self.count, (from_m, to_m), wanted_m);
     }
@@ -386,13 +393,13 @@ fn add_shortfall(
     start: (&Each, &Each),
     end: (&Each, &Each),
     count: usize,
-    (from_m, to_m): ((f64, f64), (f64, f64)),
+    (from_m, to_m): (Vector2<f64>, Vector2<f64>),
     wanted_m: f64,
 ) {
     let (squared, scale) = (wanted_m * wanted_m, 0.5 / wanted_m);
     for i in 0..count.min(BATCH) {
-        let (x, y) = (from_m.0 - start.0[i], from_m.1 - start.1[i]);
-        let (dx, dy) = (to_m.0 - end.0[i] - x, to_m.1 - end.1[i] - y);
+        let (x, y) = (from_m.x - start.0[i], from_m.y - start.1[i]);
+        let (dx, dy) = (to_m.x - end.0[i] - x, to_m.y - end.1[i] - y);
         let moved = dx * dx + dy * dy;
         let moved = if moved > 1e-12 { moved } else { 1e-12 };
         let nearest = clamp(-(x * dx + y * dy) / moved, 0.0, 1.0);
@@ -405,7 +412,7 @@ fn add_shortfall(
 #[inline(always)]
 fn extent(x: &Each, y: &Each, count: usize) -> Extent {
     let ((low_x, high_x), (low_y, high_y)) = (range(&x[..count.min(BATCH)]), range(&y[..count.min(BATCH)]));
-    Extent { low: (low_x, low_y), high: (high_x, high_y) }
+    Extent { low: Vector2::new(low_x, low_y), high: Vector2::new(high_x, high_y) }
 }
 
 /// Least and greatest value; one running value for each place in a vector, so that the loop vectorises.

@@ -13,7 +13,7 @@ use crate::dialect::{
     MISSION_WRITE_PARTIAL_LIST_DATA,
 };
 use crate::{Encoder, Frame, Target};
-use mavlink::{MavlinkVersion, MessageData};
+use mavlink::MessageData;
 
 /// One item of a plan, numbers as on the wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -179,13 +179,7 @@ impl Encoder {
             ItemKind::Int => MISSION_ITEM_INT_DATA::ID,
             ItemKind::Float => MISSION_ITEM_DATA::ID,
         };
-        self.write_frame(id, out, |version, payload| {
-            payload[..fields.len()].copy_from_slice(&fields);
-            match version {
-                MavlinkVersion::V1 => 37,
-                MavlinkVersion::V2 => mavlink::utils::remove_trailing_zeroes(&fields),
-            }
-        });
+        self.write_fields(id, &fields, 37, out);
     }
 }
 

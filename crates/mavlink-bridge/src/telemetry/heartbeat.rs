@@ -1,0 +1,35 @@
+//! HEARTBEAT.
+
+// Clients still ask for what the dialect calls superseded.
+#![allow(deprecated)]
+
+use crate::dialect::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType, Message};
+
+/// HEARTBEAT (<https://mavlink.io/en/messages/common.html#HEARTBEAT>).
+pub fn heartbeat(
+    kind: MavType,
+    autopilot: MavAutopilot,
+    base_mode: MavModeFlag,
+    custom_mode: u32,
+    status: MavState,
+) -> Message {
+    Message::HEARTBEAT(HEARTBEAT_DATA {
+        custom_mode,
+        mavtype: kind,
+        autopilot,
+        base_mode,
+        system_status: status,
+        mavlink_version: 3,
+    })
+}
+
+/// HEARTBEAT of a ground station.
+pub fn ground_heartbeat() -> Message {
+    heartbeat(
+        MavType::MAV_TYPE_GCS,
+        MavAutopilot::MAV_AUTOPILOT_INVALID,
+        MavModeFlag::empty(),
+        0,
+        MavState::MAV_STATE_ACTIVE,
+    )
+}
