@@ -66,16 +66,17 @@ impl PortLayout {
         }
     }
 
-    /// The ports of the group of an index; `base_port` and `per_port` count for Columba's own.
+    /// The ports of the group of an index; `base_port` counts for Columba's own, and is 0 for any free ports.
     pub(crate) fn ports(self, host: IpAddr, base_port: u16, group: usize) -> Result<PortSet, HostError> {
         let at = |port: Option<u16>| {
             let too_many = HostError::TooManyPorts { base_port, count: group + 1 };
+            let port = if base_port == 0 { Some(0) } else { port };
             port.map(|port| SocketAddr::new(host, port)).ok_or(too_many)
         };
         match self {
             Self::Columba => {
-                let port = if base_port == 0 { Some(0) } else { port(base_port, 1, 0, group) };
-                Ok(PortSet { udp: vec![UdpPort { bind: at(port)?, partner: None }], tcp: Vec::new() })
+                let bind = at(port(base_port, 1, 0, group))?;
+                Ok(PortSet { udp: vec![UdpPort { bind, partner: None }], tcp: Vec::new() })
             }
             Self::ArduPilot { instance } => {
                 let serial = |base: u16| at(port(base, 10, instance, group));
@@ -121,13 +122,13 @@ mod tests {
         assert_eq!(layout.grounds(HOST, 1), Some(vec![at(14_570)]));
         let last = layout.vehicles_max() - 1;
         assert_eq!(layout.grounds(HOST, last), Some(vec![at(65_530)]));
-        assert!(layout.ports(HOST, 0, last).is_ok());
+        assert!(layout.ports(HOST, 14_600, last).is_ok());
     }
 
     #[test]
     fn a_px4_has_two_links_and_the_tenth_port_is_the_last() {
         let layout = PortLayout::Px4 { instance: 0 };
-        let udp = layout.ports(HOST, 0, 2).unwrap().udp;
+        let udp = layout.ports(HOST, 14_600, 2).unwrap().udp;
         let links: Vec<_> = udp.iter().map(|port| (port.bind, port.partner.unwrap())).collect();
         assert_eq!(links, [(at(14_582), at(14_542)), (at(18_572), at(14_550))]);
         assert_eq!(layout.grounds(HOST, 12).unwrap()[0], at(14_549));

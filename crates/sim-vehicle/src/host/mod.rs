@@ -37,7 +37,8 @@ pub struct HostSettings {
     /// Vehicles on one port, 1 to 250: the rest go to the next, as each further network of 250 does. Frames find theirs by
     /// the target system.
     pub vehicles_per_port: usize,
-    /// Which ports these are; with an autopilot's, `base_port` does not count and each vehicle is alone.
+    /// Which ports these are; with an autopilot's, `base_port` does not count but for 0, any free ports, and each
+    /// vehicle is alone.
     pub layout: PortLayout,
     /// Whether all vehicles are members of [`MULTICAST_GROUP`] too, and how far that reaches.
     pub multicast: Option<MulticastScope>,
@@ -245,7 +246,9 @@ impl HostSettings {
 
     /// Where a vehicle sends telemetry unasked by the rules of the layout.
     fn set_grounds(&self, vehicle: usize, settings: &mut VehicleSettings) {
-        if let Some(mut grounds) = self.layout.grounds(self.bind, vehicle).map(Vec::into_iter) {
+        // Who is to send nothing unasked does not.
+        let grounds = self.layout.grounds(self.bind, vehicle).filter(|_| settings.ground.is_some());
+        if let Some(mut grounds) = grounds.map(Vec::into_iter) {
             settings.ground = grounds.next();
             settings.further_grounds = grounds.collect();
         }

@@ -75,8 +75,8 @@ fn autopilots_ports(link: &LinkTable, count: usize, faults: &mut Faults) {
     const INSTANCE_MAX: usize = 5_000;
     faults.whole("link.instance", link.instance.into(), 0, INSTANCE_MAX);
     for (key, port) in [("link.vehicle_port", link.vehicle_port), ("link.ground_port", link.ground_port)] {
-        if let Some(port) = port {
-            faults.add(key, port, "left out: link.ports says which ports there are, and link.instance where they begin");
+        if let Some(port) = port.filter(|&port| port > 0) {
+            faults.add(key, port, "0 or left out: link.ports and link.instance say which ports there are");
         }
     }
     if link.vehicles_per_port > 1 {
