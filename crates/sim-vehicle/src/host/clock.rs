@@ -96,7 +96,8 @@ impl RealTime {
         if until <= furthest {
             return until;
         }
-        rate.slipped += (until - furthest).div_f64(rate.speed);
+        let late = (until - furthest).div_f64(rate.speed);
+        rate.slipped += late;
         furthest
     }
 
