@@ -53,8 +53,8 @@ impl Table {
     /// Of vehicles that have their ports and have not flown yet.
     pub fn of(host: &Host, speed: Option<f64>) -> Self {
         let rows = host.vehicles().zip(host.addresses()).zip(host.lines()).enumerate();
-        let row = |(index, ((vehicle, address), lines))| Row::of(index, vehicle, *address, lines);
-        let vehicles: Vec<Row> = rows.map(row).collect();
+        let vehicles: Vec<Row> =
+            rows.map(|(index, ((vehicle, address), lines))| Row::of(index, vehicle, *address, lines)).collect();
         Self { ground: vehicles.first().and_then(|row| row.ground), speed, vehicles }
     }
 
