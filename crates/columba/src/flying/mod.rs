@@ -19,7 +19,9 @@ pub use memory::{Memory, fly_in_memory};
 pub use progress::{Progress, progress_over};
 pub use real_time::RealTime;
 pub use recorder::{Ended, Recorder};
-pub use vehicles::{LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, sockets, vehicle_settings};
+pub use vehicles::{
+    LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, sockets, vehicle_settings,
+};
 pub use world::{Interval, World, fly};
 
 /// Lets go of a flight: holds true once someone asks it to end.
