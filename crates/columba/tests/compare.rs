@@ -38,6 +38,16 @@ fn a_comparison_is_a_folder_with_every_file_that_the_documentation_names() {
             files.extend(["png", "svg"].map(|kind| format!("compare/small/figures/small-{contender}-{part}.{kind}")));
         }
     }
+    for measure in [
+        "speed-convergence",
+        "course-convergence",
+        "smallest-separation",
+        "speed-variation",
+        "course-variation",
+        "flock-radius",
+    ] {
+        files.extend(["png", "svg"].map(|kind| format!("compare/small/figures/small-{measure}.{kind}")));
+    }
     files.extend(["few.toml".to_owned(), "small.toml".to_owned()]);
     files.sort();
     assert_eq!(room.files(), files);
@@ -68,7 +78,8 @@ fn what_is_flown_is_not_flown_again_and_other_flights_stay() {
     assert!(said.contains("4 of 4 are in out/journal.jsonl already"), "{said}");
     assert_eq!(first, again);
     let figures = || room.files().into_iter().filter(|file| file.contains("figures/")).collect::<Vec<_>>();
-    assert_eq!(figures().len(), 12);
+    // Three of each contender, and one of each measure.
+    assert_eq!(figures().len(), 2 * (3 * 2 + 6));
     room.write("out/figures/own.svg", "somebody's own");
 
     // The first contender under another name; of the second nothing is asked, of a new seed one flight is.
@@ -78,7 +89,7 @@ fn what_is_flown_is_not_flown_again_and_other_flights_stay() {
     assert_eq!(table(&room, "out")["scenarios"][0]["contenders"][0]["flights"], Value::from(2));
     let figures = figures();
     assert_eq!(figures.iter().filter(|file| file.contains("small-mslpio-")).count(), 6, "{figures:?}");
-    assert!(figures.len() == 7 && figures.contains(&"out/figures/own.svg".to_owned()), "{figures:?}");
+    assert!(figures.len() == 2 * (3 + 6) + 1 && figures.contains(&"out/figures/own.svg".to_owned()), "{figures:?}");
 
     let (said, _) = compare(&["--optimizers", "mslpio", "--seeds", "2,9", "--set", "law.formation_gain=0.3"]);
     assert!(!said.contains("already"), "another setting is another flight: {said}");

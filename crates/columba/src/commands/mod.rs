@@ -197,12 +197,10 @@ fn conclude(
     }
 }
 
-/// What the report leaves beside its page.
-const FIGURES: [&str; 6] = ["paths", "speeds", "courses", "altitudes", "distances", "alphas"];
-
 /// Removes what an older run left in the folder and this one does not write: it would tell of another flight.
 fn remove_older(folder: &RunFolder, log: bool, report: bool) -> anyhow::Result<()> {
-    let figures = FIGURES.iter().flat_map(|name| ["svg", "png"].map(|kind| format!("figures/{name}.{kind}")));
+    let figures =
+        report::figures::NAMES.iter().flat_map(|name| ["svg", "png"].map(|kind| format!("figures/{name}.{kind}")));
     let report = figures.chain(["report.html".to_owned()]).filter(|_| report);
     for name in report.chain(log.then(|| "flight.tlog".to_owned())) {
         let path = folder.path().join(name);

@@ -1,8 +1,9 @@
 //! `report.html` of a comparison: its tables, and for each contender the paper's Fig. 2 to 4.
 
+use super::boxes;
 use super::campaign::{Crew, fly_once};
 use super::plan::Plan;
-use super::results::Outcome;
+use super::results::{MEASURES, Outcome};
 use super::table;
 use super::words::{self, Table};
 use crate::flight::Flight;
@@ -26,10 +27,14 @@ pub struct Picture {
     drawings: Vec<Drawing>,
 }
 
-struct Drawing {
-    file: String,
-    title: &'static str,
-    svg: String,
+/// A figure of the page, and of a file.
+pub struct Drawing {
+    /// The file's name without an ending.
+    pub file: String,
+    /// What it shows.
+    pub title: String,
+    /// The drawing.
+    pub svg: String,
 }
 
 /// The three parts of the paper's figures.
@@ -77,7 +82,7 @@ fn picture(plan: &Plan, scenario: usize, contender: usize, flight: &Flight, file
         // All figures are of one page, and an identifier in it must be of one.
         let own = |svg: String, before: &str| svg.replace(&format!("{before}clip-"), &format!("{before}clip-{file}-"));
         let svg = own(own(draw(flight), "id=\""), "url(#");
-        Drawing { svg, file, title }
+        Drawing { svg, file, title: title.to_owned() }
     };
     Picture {
         scenario,
@@ -88,13 +93,17 @@ fn picture(plan: &Plan, scenario: usize, contender: usize, flight: &Flight, file
     }
 }
 
+/// A text as a part of a file's name.
+pub fn file_part(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
+}
+
 /// Of each scenario and contender a name that a file can have, each another one.
 fn file_names(plan: &Plan) -> Vec<String> {
-    let safe = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let mut names: Vec<String> = Vec::new();
     for scenario in &plan.scenarios {
         for contender in &plan.contenders {
-            let name: String = format!("{scenario}-{contender}").chars().map(safe).collect();
+            let name = file_part(&format!("{scenario}-{contender}"));
             let again = (2..).map(|count| format!("{name}-{count}"));
             let free = [name.clone()].into_iter().chain(again).find(|name| !names.contains(name));
             names.push(free.unwrap_or(name));
@@ -111,20 +120,24 @@ pub fn write(
     pictures: &[Picture],
 ) -> Result<(), ReportError> {
     remove_older(folder);
-    let drawings: Vec<&Drawing> = pictures.iter().flat_map(|picture| &picture.drawings).collect();
+    let boxes: Vec<Vec<Drawing>> = outcomes.iter().map(boxes::all).collect();
+    let drawings = pictures.iter().flat_map(|picture| &picture.drawings).chain(boxes.iter().flatten());
+    let drawings: Vec<&Drawing> = drawings.collect();
     drawings.par_iter().try_for_each(|Drawing { file, svg, .. }| {
         let png = to_png(svg, PNG_SCALE).map_err(|source| ReportError::Png { name: file.clone(), source })?;
         folder.write(&format!("figures/{file}.svg"), svg.as_bytes())?;
         Ok::<(), ReportError>(folder.write(&format!("figures/{file}.png"), &png)?)
     })?;
-    Ok(folder.write("report.html", page(plan, outcomes, pictures).as_bytes())?)
+    Ok(folder.write("report.html", page(plan, outcomes, pictures, &boxes).as_bytes())?)
 }
 
 /// Removes what has the name of a figure: it would tell of other contenders. Best effort, for nothing depends on it.
 fn remove_older(folder: &RunFolder) {
     let is_ours = |name: &str| {
         let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png"));
-        stem.is_some_and(|stem| PARTS.iter().any(|(part, ..)| stem.ends_with(&format!("-{part}"))))
+        let parts = PARTS.iter().map(|(part, ..)| (*part).to_owned());
+        let mut parts = parts.chain(MEASURES.iter().map(|measure| file_part(measure.name)));
+        stem.is_some_and(|stem| parts.any(|part| stem.ends_with(&format!("-{part}"))))
     };
     let entries = std::fs::read_dir(folder.path().join("figures")).into_iter().flatten().flatten();
     for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(is_ours)) {
@@ -132,11 +145,11 @@ fn remove_older(folder: &RunFolder) {
     }
 }
 
-fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture]) -> String {
+fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture], boxes: &[Vec<Drawing>]) -> String {
     let title = format!("Comparison on {}", plan.scenarios.join(", "));
-    let sections = outcomes.iter().enumerate().map(|(scenario, outcome)| {
+    let sections = outcomes.iter().zip(boxes).enumerate().map(|(scenario, (outcome, boxes))| {
         let of_scenario = pictures.iter().filter(|picture| picture.scenario == scenario);
-        section(outcome, of_scenario)
+        section(outcome, boxes, of_scenario)
     });
     fill(
         PAGE,
@@ -152,9 +165,25 @@ fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture]) -> String {
     )
 }
 
-fn section<'a>(outcome: &Outcome<'_>, pictures: impl Iterator<Item = &'a Picture>) -> String {
+/// After which of [`words::tables`] the measures' figures stand.
+const AFTER_TABLE: [usize; MEASURES.len()] = [0, 0, 1, 2, 2, 2];
+
+fn section<'a>(outcome: &Outcome<'_>, boxes: &[Drawing], pictures: impl Iterator<Item = &'a Picture>) -> String {
     let name = escape(outcome.scenario);
-    let tables: String = words::tables(outcome).iter().map(|table| of_table(table, "")).collect();
+    let tables: String = words::tables(outcome)
+        .iter()
+        .enumerate()
+        .map(|(index, table)| {
+            let figures = boxes.iter().zip(AFTER_TABLE).filter(|(_, after)| *after == index);
+            let figures: String = figures.map(|(drawing, _)| of_drawing(drawing)).collect();
+            let figures = if figures.is_empty() {
+                figures
+            } else {
+                format!("  <div class=\"figures boxes\">\n{figures}  </div>\n")
+            };
+            of_table(table, "") + &figures
+        })
+        .collect();
     let times = of_table(&words::times(outcome), " class=\"times\"");
     let pictures: String = pictures.map(of_picture).collect();
     format!("<section>\n  <h2>Scenario {name}</h2>\n{tables}{times}{pictures}</section>\n")
@@ -185,15 +214,17 @@ fn of_table(table: &Table, class: &str) -> String {
     )
 }
 
+fn of_drawing(Drawing { file, title, svg }: &Drawing) -> String {
+    format!(
+        "    <figure id=\"{file}\">\n      <h4>{}</h4>\n{svg}      <figcaption>\
+         <a href=\"figures/{file}.svg\" download>SVG</a> <a href=\"figures/{file}.png\" download>PNG</a></figcaption>\n    \
+         </figure>\n",
+        escape(title)
+    )
+}
+
 fn of_picture(picture: &Picture) -> String {
-    let drawing = |Drawing { file, title, svg }: &Drawing| {
-        format!(
-            "    <figure id=\"{file}\">\n      <h4>{title}</h4>\n{svg}      <figcaption>\
-             <a href=\"figures/{file}.svg\" download>SVG</a> <a href=\"figures/{file}.png\" download>PNG</a></figcaption>\n    \
-             </figure>\n"
-        )
-    };
-    let drawings: String = picture.drawings.iter().map(drawing).collect();
+    let drawings: String = picture.drawings.iter().map(of_drawing).collect();
     format!(
         "  <h3>{}</h3>\n  <p class=\"hint\">{}</p>\n  <div class=\"figures\">\n{drawings}  </div>\n",
         escape(&picture.title),
@@ -226,7 +257,9 @@ mod tests {
                 summary,
             })
             .collect();
-        page(&plan, &outcomes(&plan, &rows), &pictures)
+        let outcomes = outcomes(&plan, &rows);
+        let boxes: Vec<Vec<Drawing>> = outcomes.iter().map(boxes::all).collect();
+        page(&plan, &outcomes, &pictures, &boxes)
     }
 
     #[test]
@@ -242,7 +275,8 @@ mod tests {
         ids.sort();
         ids.dedup();
         assert_eq!(ids.len(), count, "{ids:?}");
-        for file in ["paper-a-b-paths", "paper-a-b-2-speeds", "paper-a-b-3-courses"] {
+        let files = ["paper-a-b-paths", "paper-a-b-2-speeds", "paper-a-b-3-courses", "paper-speed-convergence"];
+        for file in files {
             assert!(page.contains(&format!("href=\"figures/{file}.png\"")), "{file}");
         }
     }

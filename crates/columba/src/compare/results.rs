@@ -126,6 +126,8 @@ pub struct Standing<'a> {
     pub least_separation_m: Option<f64>,
     /// The smallest clearance of all flights, m.
     pub least_clearance_m: Option<f64>,
+    /// Every flight's value of each of [`MEASURES`], in ascending order; infinite for what never came.
+    pub samples: [Vec<f64>; MEASURES.len()],
     /// Of each of [`MEASURES`].
     pub estimates: [Option<Estimate>; MEASURES.len()],
     /// Candidates that are evaluated for a vehicle at a tick.
@@ -213,6 +215,11 @@ fn standing<'a>(rows: &[Row<'a>]) -> Option<Standing<'a>> {
         course_converged: count(|summary| summary.course_convergence_s.is_some()),
         least_separation_m: least(|summary| summary.min_separation_m),
         least_clearance_m: least(|summary| summary.min_clearance_m),
+        samples: MEASURES.map(|measure| {
+            let mut values = values(&measure, rows);
+            values.sort_by(f64::total_cmp);
+            values
+        }),
         estimates: MEASURES.map(|measure| estimate(&values(&measure, rows))),
         evaluations: first.evaluations,
         times: Times {

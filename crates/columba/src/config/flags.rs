@@ -46,7 +46,7 @@ enum Kind {
     Choice(fn() -> Vec<PossibleValue>),
     /// None: the flag itself says `true`.
     Switch,
-    /// A path of a list; may be given several times.
+    /// A path; may be given several times, and adds to what lies beneath.
     Files,
     /// `NAME=VALUE`, an entry of a table; may be given several times.
     Entry,
@@ -163,8 +163,8 @@ const FLAGS: &[Flag] = &[
         key: "parameters.files",
         kind: Kind::Files,
         value: "FILE",
-        help: "Parameter file of ArduPilot, PX4 or a ground station to start with; parameters that the vehicles do not use are \
-               there for clients all the same. May be given several times, the last value of a name counts",
+        help: "Parameter file of ArduPilot, PX4 or a ground station: the vehicles start with its values. Parameters that they \
+               do not use are kept for clients. May be given several times; the last value of a name counts",
         commands: &[VEHICLES],
         ..FLAG
     },
@@ -412,17 +412,6 @@ impl Flag {
                 let text = format!("--{}", self.name);
                 self.layer(&text, self.key, "true").into_iter().collect()
             }
-            Kind::Files => {
-                let files: Vec<String> = matches
-                    .get_raw(self.name)
-                    .into_iter()
-                    .flatten()
-                    .map(|file| file.to_string_lossy().into_owned())
-                    .collect();
-                let text: Vec<String> = files.iter().map(|file| format!("--{} {file}", self.name)).collect();
-                let list: Vec<String> = files.iter().map(|file| quoted(file)).collect();
-                self.layer(&text.join(" "), self.key, &format!("[{}]", list.join(", "))).into_iter().collect()
-            }
             _ => matches.get_raw(self.name).into_iter().flatten().filter_map(|value| self.layer_of(value)).collect(),
         }
     }
@@ -435,6 +424,7 @@ impl Flag {
                 let (name, value) = value.split_once('=')?;
                 self.layer(&text, &format!("{}.{}", self.key, name.trim()), &number(value.trim()))
             }
+            Kind::Files => self.layer(&text, self.key, &format!("[{}]", quoted(&value))),
             Kind::Number => self.layer(&text, self.key, &number(value.trim())),
             _ => self.layer(&text, self.key, &quoted(&value)),
         };

@@ -137,6 +137,16 @@ impl Layer {
         }
     }
 
+    /// The paths of a list, as they are relative to its folder.
+    pub(super) fn paths(&self, table: &str, key: &str) -> Vec<PathBuf> {
+        let list = self.table.get(table).and_then(Item::as_table_like).and_then(|table| table.get(key));
+        let texts = list.and_then(Item::as_array).into_iter().flatten().filter_map(toml_edit::Value::as_str);
+        match &self.raw {
+            Some(raw) if list.is_some() => vec![PathBuf::from(raw)],
+            _ => texts.map(|text| self.folder().join(text)).collect(),
+        }
+    }
+
     /// What it sets, as TOML.
     pub fn toml(&self) -> String {
         DocumentMut::from(self.table.clone()).to_string().trim().to_owned()

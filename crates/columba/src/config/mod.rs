@@ -1,7 +1,7 @@
 //! Scenario files: read, checked, and turned into what flies.
 //!
-//! `file.rs` is the file as written, `check/` its rules; `swarm.rs` a file of starts, `parameters.rs` parameter files,
-//! `airframe.rs` airframes. Presets, flags and contenders are
+//! `file.rs` is the file as written, `check/` its rules; `swarm.rs` a file of starts, `parameters.rs`
+//! parameter files. Presets, flags and contenders are
 //! layers over the file: `layer.rs` is one of them, `provenance.rs` all of them together, `flags.rs` says which flag sets
 //! which key, `contender.rs` reads those of a comparison. `source.rs`, `locate.rs`, `fault.rs` and `diagnostics.rs` say
 //! what is wrong, and where.
@@ -118,7 +118,9 @@ fn tables(source: &Source, over: &[&Layer]) -> Result<(ScenarioFile, Provenance)
 fn read(provenance: &Provenance, faults: &mut Faults) -> Option<ScenarioFile> {
     let mut file: ScenarioFile = provenance.read(faults)?;
     read_swarm(&mut file, provenance, faults);
-    read_parameter_files(&mut file, provenance, faults);
+    if let Err(error) = file.parameters.read(&provenance.paths("parameters", "files")) {
+        faults.add_placed([(0, error)]);
+    }
     if let Some(Err(message)) = provenance.airframe(&file) {
         faults.add_placed([(0, message)]);
     }
@@ -137,14 +139,6 @@ fn read_swarm(file: &mut ScenarioFile, provenance: &Provenance, faults: &mut Fau
             faults.add_placed(error.lines.into_iter().map(|line| (0, line)));
             faults.stand_in("vehicles");
         }
-    }
-}
-
-/// Reads the parameter files, which are beside the file that names them.
-fn read_parameter_files(file: &mut ScenarioFile, provenance: &Provenance, faults: &mut Faults) {
-    match file.parameters.read(&provenance.folder("parameters.files")) {
-        Ok(()) => {}
-        Err(error) => faults.add_placed([(0, error.to_string())]),
     }
 }
 

@@ -3,10 +3,10 @@
 use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use sim_vehicle::{ParameterFile, ParameterFileError};
+use sim_vehicle::ParameterFile;
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The key of [`ParametersTable::files`]. Parameters have names in capitals.
 const FILES: &str = "files";
@@ -14,7 +14,7 @@ const FILES: &str = "files";
 /// The vehicles' parameters at the start.
 #[derive(Clone, Debug, Default)]
 pub struct ParametersTable {
-    /// Parameter files; the last value of a name counts.
+    /// Parameter files, relative to the scenario's; the last value of a name counts.
     pub files: Vec<PathBuf>,
     /// Values by name, which go before those of the files.
     pub values: BTreeMap<String, f64>,
@@ -23,10 +23,12 @@ pub struct ParametersTable {
 }
 
 impl ParametersTable {
-    /// Reads the files, which are relative to a folder.
-    pub(super) fn read(&mut self, folder: &Path) -> Result<(), ParameterFileError> {
-        let paths: Vec<PathBuf> = self.files.iter().map(|file| folder.join(file)).collect();
-        self.read = ParameterFile::read(&paths)?;
+    /// Reads files, of which the last value of a name counts.
+    ///
+    /// # Errors
+    /// What is wrong with which file, as one line.
+    pub(super) fn read(&mut self, paths: &[PathBuf]) -> Result<(), String> {
+        self.read = ParameterFile::read(paths).map_err(|error| error.to_string())?;
         Ok(())
     }
 }

@@ -150,6 +150,11 @@ impl Provenance {
         self.find(key).map(|(layer, _)| layer.folder()).unwrap_or_default()
     }
 
+    /// The paths of a list, of all layers that have one: the lowest first, each relative to what it is written in.
+    pub(super) fn paths(&self, table: &str, key: &str) -> Vec<PathBuf> {
+        self.layers.iter().flat_map(|layer| layer.paths(table, key)).collect()
+    }
+
     /// A value as the system gave it to a flag.
     pub(super) fn raw(&self, key: &str) -> Option<&OsString> {
         self.find(key).and_then(|(layer, _)| layer.raw())

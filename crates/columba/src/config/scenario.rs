@@ -47,7 +47,7 @@ pub struct Scenario {
     pub files_shape_limits: bool,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,
-    /// Parameter files, over which these lie.
+    /// Parameter files, which these override.
     pub parameter_files: ParameterFile,
     /// The link.
     pub link: Link,

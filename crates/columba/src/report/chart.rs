@@ -1,6 +1,7 @@
 //! The parts of a chart: axes with round ticks, a frame that maps data to px, a legend above it.
 
-use super::svg::{Anchor, Colour, Drawing, Stroke, number};
+pub use super::svg::Anchor;
+use super::svg::{Colour, Drawing, Stroke, number};
 
 /// Every figure is as wide as a column of a paper at 0.45 pt/px; its text is then 6.7 pt.
 pub const WIDTH_PX: f64 = 560.0;
@@ -37,6 +38,8 @@ pub struct Axis {
     low: f64,
     high: f64,
     step: f64,
+    /// Whether the axis runs from right to left, or from top to bottom.
+    reversed: bool,
 }
 
 impl Axis {
@@ -47,17 +50,32 @@ impl Axis {
         // Up to 1e12 times: beyond that neighbouring ticks would be the same number.
         let least = (low.abs() * 1e-12).max(f64::MIN_POSITIVE);
         let high = if high.is_finite() && high - low > least { high } else { low + least.max(1.0) };
-        Self { low, high, step: nice_step((high - low) / count) }
+        Self { low, high, step: nice_step((high - low) / count), reversed: false }
     }
 
     /// The range widened outwards to round ticks, and to at least `least_span`.
     pub fn nice(low: f64, high: f64, least_span: f64, count: f64) -> Self {
         let (low, high) = if low.is_finite() && high.is_finite() && low <= high { (low, high) } else { (0.0, 0.0) };
         let missing = (least_span - (high - low)).max(0.0);
-        let Self { low, high, step } = Self::exact(low - 0.5 * missing, high + 0.5 * missing, count);
+        let Self { low, high, step, .. } = Self::exact(low - 0.5 * missing, high + 0.5 * missing, count);
         // A thousandth of a step over a tick is rounding, not data that would need another tick.
         let (first, last) = ((low / step + 1e-3).floor(), (high / step - 1e-3).ceil());
-        Self { low: low.min(first * step), high: high.max(last * step), step }
+        Self { low: low.min(first * step), high: high.max(last * step), step, reversed: false }
+    }
+
+    /// The same range from the other end.
+    pub fn reversed(self) -> Self {
+        Self { reversed: !self.reversed, ..self }
+    }
+
+    /// The high end.
+    pub fn high(&self) -> f64 {
+        self.high
+    }
+
+    /// From the low end to the high end.
+    pub fn span(&self) -> f64 {
+        self.high - self.low
     }
 
     /// Where the ticks are.
@@ -85,7 +103,8 @@ impl Axis {
     }
 
     fn fraction(&self, value: f64) -> f64 {
-        (value - self.low) / (self.high - self.low)
+        let fraction = (value - self.low) / (self.high - self.low);
+        if self.reversed { 1.0 - fraction } else { fraction }
     }
 }
 
@@ -109,7 +128,7 @@ pub struct Frame {
     pub height: f64,
     /// Left to right.
     pub x: Axis,
-    /// Bottom to top.
+    /// Bottom to top, unless it is reversed.
     pub y: Axis,
 }
 
@@ -134,25 +153,29 @@ impl Frame {
     /// Draws grid, border, tick labels and axis labels. An empty x label leaves out the x tick labels, too: a chart below
     /// has them.
     pub fn draw(&self, drawing: &mut Drawing, x_label: &str, y_label: &str) {
+        for tick in self.y.ticks() {
+            let y = self.point(0.0, tick).1;
+            drawing.line(&[(self.left, y), (self.left + self.width, y)], Stroke::solid(FAINT, 1.0));
+            drawing.text(self.left - 7.0, y + 5.0, Anchor::End, &self.y.label(tick));
+        }
+        self.draw_x(drawing, x_label);
+        drawing.text_upwards(17.0, self.top + 0.5 * self.height, y_label);
+    }
+
+    /// Draws the grid of x, the border, and the labels of x alone: for rows that have names.
+    pub fn draw_x(&self, drawing: &mut Drawing, x_label: &str) {
         let (right, bottom) = (self.left + self.width, self.top + self.height);
-        let grid = Stroke::solid(FAINT, 1.0);
         for tick in self.x.ticks() {
             let x = self.point(tick, 0.0).0;
-            drawing.line(&[(x, self.top), (x, bottom)], grid);
+            drawing.line(&[(x, self.top), (x, bottom)], Stroke::solid(FAINT, 1.0));
             if !x_label.is_empty() {
                 drawing.text(x, bottom + 18.0, Anchor::Middle, &self.x.label(tick));
             }
-        }
-        for tick in self.y.ticks() {
-            let y = self.point(0.0, tick).1;
-            drawing.line(&[(self.left, y), (right, y)], grid);
-            drawing.text(self.left - 7.0, y + 5.0, Anchor::End, &self.y.label(tick));
         }
         let corners = [(self.left, self.top), (right, self.top), (right, bottom), (self.left, bottom)];
         let border: Vec<(f64, f64)> = corners.into_iter().chain([(self.left, self.top)]).collect();
         drawing.line(&border, Stroke::solid(INK, 1.0));
         drawing.text(self.left + 0.5 * self.width, bottom + 41.0, Anchor::Middle, x_label);
-        drawing.text_upwards(17.0, self.top + 0.5 * self.height, y_label);
     }
 
     /// Draws what `inside` draws, cut off at the frame. `name` must be one of its kind on a page.
@@ -175,12 +198,18 @@ impl Frame {
 pub enum Mark {
     /// A piece of a line.
     Line(Stroke),
-    /// A piece of a line with a triangle on it: a UAV and its path.
-    Track(Stroke),
+    /// A piece of a line with a triangle of so many px on it: a UAV and its path.
+    Track(Stroke, f64),
     /// A disc, as an obstacle.
     Disc,
-    /// A band between two lines.
-    Band(Colour),
+    /// A band between two lines, with its opacity.
+    Band(Colour, f64),
+    /// A bar across a row, as a median.
+    Bar(Colour),
+    /// A dot, as one value.
+    Dot(Colour),
+    /// A diamond, as a value from elsewhere.
+    Diamond(Colour),
     /// A ring, as where something went wrong.
     Ring(Colour),
 }
@@ -190,6 +219,9 @@ pub const TRIANGLE_EDGE: &str = " stroke=\"#ffffff\" stroke-width=\"0.7\"";
 
 /// Fill and outline of an obstacle.
 pub const DISC: &str = "class=\"disc\" fill=\"#e0e0e0\" stroke=\"#8c8c8c\"";
+
+/// The outline of an obstacle alone.
+pub const DISC_EDGE: &str = "class=\"disc-edge\" fill=\"none\" stroke=\"#8c8c8c\"";
 
 /// A legend in rows above a chart, so that it covers no data.
 #[derive(Clone, Debug)]
@@ -201,7 +233,7 @@ const LEGEND_ROW_PX: f64 = 22.0;
 const MARK_PX: f64 = 24.0;
 
 /// How wide text is in DejaVu Sans at 15 px, near enough to place the next entry.
-fn text_width_px(text: &str) -> f64 {
+pub fn text_width_px(text: &str) -> f64 {
     let em = |character: char| match character {
         ' ' | '.' | ',' | '(' | ')' | 'i' | 'j' | 'l' => 0.35,
         'm' | 'w' | 'M' | 'W' | '=' | '\u{2212}' => 0.9,
@@ -237,10 +269,10 @@ impl Legend {
         12.0 + LEGEND_ROW_PX * self.rows.len() as f64
     }
 
-    /// Draws the legend at the top of the drawing.
-    pub fn draw(&self, drawing: &mut Drawing) {
+    /// Draws the legend from `top` downwards.
+    pub fn draw(&self, drawing: &mut Drawing, top: f64) {
         for (index, row) in self.rows.iter().enumerate() {
-            let y = 16.0 + LEGEND_ROW_PX * index as f64;
+            let y = top + 16.0 + LEGEND_ROW_PX * index as f64;
             for (x, mark, words) in row {
                 draw_mark(drawing, *x, y, *mark);
                 drawing.text(x + MARK_PX + 6.0, y + 5.0, Anchor::Start, words);
@@ -254,16 +286,54 @@ fn draw_mark(drawing: &mut Drawing, x: f64, y: f64, mark: Mark) {
     match mark {
         Mark::Line(stroke) => drawing.line(&[(x, y), (x + MARK_PX, y)], stroke),
         Mark::Disc => drawing.raw(&format!("<circle {centre} r=\"7.5\" {DISC}/>")),
-        Mark::Track(stroke) => {
+        Mark::Track(stroke, size) => {
             drawing.line(&[(x, y), (x + MARK_PX, y)], stroke);
-            drawing.area(&triangle((x + 13.0, y), 0.0, 7.5), stroke.colour, TRIANGLE_EDGE);
+            drawing.area(&triangle((x + 13.0, y), 0.0, size), stroke.colour, TRIANGLE_EDGE);
         }
-        Mark::Band(colour) => {
+        Mark::Band(colour, opacity) => {
             let outline = [(x, y - 6.0), (x + MARK_PX, y - 6.0), (x + MARK_PX, y + 6.0), (x, y + 6.0)];
-            drawing.area(&outline, colour, " fill-opacity=\"0.25\"");
+            drawing.area(&outline, colour, &format!(" fill-opacity=\"{opacity}\""));
         }
+        Mark::Bar(colour) => {
+            drawing.line(&[(x + 0.5 * MARK_PX, y - 7.0), (x + 0.5 * MARK_PX, y + 7.0)], Stroke::solid(colour, 2.2))
+        }
+        Mark::Dot(colour) => dot(drawing, (x + 0.5 * MARK_PX, y), 2.2, colour),
+        Mark::Diamond(colour) => diamond(drawing, (x + 0.5 * MARK_PX, y), colour),
         Mark::Ring(colour) => ring(drawing, (x + 0.5 * MARK_PX, y), colour),
     }
+}
+
+/// A number at a point in px, readable on any ground.
+pub fn tag(drawing: &mut Drawing, (x, y): (f64, f64), anchor: Anchor, colour: Colour, text: &str) {
+    let halo = format!(
+        " class=\"tag {}\" color=\"{}\" fill=\"currentColor\" font-size=\"13\" font-weight=\"bold\" stroke=\"#ffffff\" \
+         stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
+        colour.class, colour.hex
+    );
+    drawing.text_with(x, y, anchor, &halo, text);
+}
+
+/// A dot at a point in px.
+pub fn dot(drawing: &mut Drawing, (x, y): (f64, f64), radius: f64, colour: Colour) {
+    drawing.raw(&format!(
+        "<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{radius}\" color=\"{}\" fill=\"currentColor\"/>",
+        colour.class,
+        number(x),
+        number(y),
+        colour.hex
+    ));
+}
+
+/// An arrow to the right that ends at a point in px, and says that north is there.
+pub fn north_arrow(drawing: &mut Drawing, (x, y): (f64, f64)) {
+    drawing.text(x - 40.0, y + 5.0, Anchor::Middle, "N");
+    drawing.line(&[(x - 29.0, y), (x - 7.0, y)], Stroke::solid(INK, 1.6));
+    drawing.area(&triangle((x - 7.0, y), 0.0, 7.0), INK, TRIANGLE_EDGE);
+}
+
+/// A diamond at a point in px.
+pub fn diamond(drawing: &mut Drawing, (x, y): (f64, f64), colour: Colour) {
+    drawing.area(&[(x, y - 6.0), (x + 6.0, y), (x, y + 6.0), (x - 6.0, y)], colour, TRIANGLE_EDGE);
 }
 
 /// A ring around a point in px.
@@ -317,6 +387,15 @@ mod tests {
         let frame = Frame { left: 50.0, top: 20.0, width: 100.0, height: 200.0, x, y };
         assert_eq!(frame.point(0.0, -1.0), (50.0, 220.0));
         assert_eq!(frame.point(10.0, 1.0), (150.0, 20.0));
+    }
+
+    #[test]
+    fn a_reversed_axis_runs_downwards() {
+        let (x, y) = (Axis::exact(0.0, 10.0, 5.0), Axis::exact(-1.0, 1.0, 5.0).reversed());
+        let frame = Frame { left: 50.0, top: 20.0, width: 100.0, height: 200.0, x, y };
+        assert_eq!(frame.point(0.0, -1.0), (50.0, 20.0));
+        assert_eq!(frame.point(0.0, 1.0), (50.0, 220.0));
+        assert_eq!(frame.y.ticks(), Axis::exact(-1.0, 1.0, 5.0).ticks());
     }
 
     #[test]

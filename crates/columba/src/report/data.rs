@@ -1,9 +1,9 @@
-//! What the page's replay needs of a flight, as compact JSON: whole numbers of mm, mm/s, ms and 0.1 mrad.
+//! What the page's replay needs of a flight, as compact JSON: whole numbers of mm, mm/s, ms, 0.1 mrad and thousandths.
 
 use crate::flight::{Flight, Row, Tick};
 use serde::Serialize;
 
-/// How many vehicles x ticks a page carries, at most: about 4 MB. Longer flights are thinned out.
+/// How many vehicles x ticks a page carries, at most: about 6 MB. Longer flights are thinned out.
 const ROWS_MAX: usize = 150_000;
 
 /// Columns by tick and vehicle, tick-major.
@@ -16,11 +16,14 @@ struct Replay {
     altitude: Vec<i64>,
     speed: Vec<i64>,
     course: Vec<i64>,
+    /// The weights of the formation, obstacle and neighbour-velocity terms.
+    weights: [Vec<i64>; 3],
     /// Least over everything since the tick before, also over ticks left out; null where there is none.
     separation: Vec<Option<i64>>,
     clearance: Vec<Option<i64>>,
     obstacles: Vec<[i64; 3]>,
     safe: i64,
+    expected_altitude: i64,
 }
 
 /// The replay's JSON, safe inside a script element, and every how many ticks it has one.
@@ -58,10 +61,12 @@ pub fn replay_json(flight: &Flight) -> Result<(String, usize), serde_json::Error
         altitude: column(|row| row.state.altitude_m, 1e3),
         speed: column(|row| row.state.speed_mps, 1e3),
         course: column(|row| row.state.course_rad, 1e4),
+        weights: [column(|row| row.alpha[0], 1e3), column(|row| row.alpha[1], 1e3), column(|row| row.alpha[2], 1e3)],
         separation: minima(|tick| tick.min_separation_m),
         clearance: minima(|tick| tick.min_clearance_m),
         obstacles: discs.map(|disc| [disc.x_m, disc.y_m, disc.radius_m].map(|m| whole(m, 1e3))).collect(),
         safe: whole(flight.field.safe_distance_m, 1e3),
+        expected_altitude: whole(flight.field.expected.altitude_m, 1e3),
     };
     // Only numbers and fixed names today; should a string ever come in, it cannot close the element.
     Ok((serde_json::to_string(&replay)?.replace('<', "\\u003c"), stride))
@@ -91,6 +96,8 @@ mod tests {
             flight.trajectory.rows.iter().map(|row| (row.state.x_m * 1e3).round() as i64).collect();
         assert_eq!(column("x"), expected);
         assert_eq!(column("course").len(), 15);
+        let weights: Vec<i64> = flight.trajectory.rows.iter().map(|row| (row.alpha[1] * 1e3).round() as i64).collect();
+        assert_eq!(replay["weights"][1], serde_json::json!(weights));
         assert_eq!(replay["obstacles"].as_array().unwrap().len(), 2);
     }
 

@@ -1,13 +1,13 @@
 //! The report of a flight: `report.html`, which stands alone, and its figures as SVG and PNG.
 
-mod chart;
+pub(crate) mod chart;
 mod data;
 pub mod figures;
 mod html;
 mod png;
 #[cfg(test)]
 pub(crate) mod sample;
-mod svg;
+pub(crate) mod svg;
 mod words;
 
 pub use figures::Figure;
@@ -67,7 +67,7 @@ mod tests {
     fn a_report_is_a_page_and_its_figures_and_the_same_each_time() {
         let root = tempfile::tempdir().unwrap();
         let flight = sample::flight(3, 7, 40);
-        let names = ["paths", "speeds", "courses", "altitudes", "distances", "alphas"];
+        let names = figures::NAMES;
         let mut files: Vec<String> =
             names.iter().flat_map(|name| [format!("figures/{name}.svg"), format!("figures/{name}.png")]).collect();
         files.push("report.html".to_owned());
@@ -96,6 +96,7 @@ mod tests {
         let folder = Path::new(&folder);
         for (name, vehicles, obstacles, ticks) in [
             ("five", 5, 7, 85),
+            ("twelve", 12, 7, 85),
             ("one", 1, 7, 85),
             ("open", 3, 0, 85),
             ("fifty", 50, 7, 85),

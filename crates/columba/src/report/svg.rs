@@ -99,7 +99,8 @@ impl Drawing {
         self.text_with(x, y, Anchor::Middle, &turn, text);
     }
 
-    fn text_with(&mut self, x: f64, y: f64, anchor: Anchor, attributes: &str, text: &str) {
+    /// Adds text with attributes of its own.
+    pub fn text_with(&mut self, x: f64, y: f64, anchor: Anchor, attributes: &str, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",

@@ -5,11 +5,11 @@ use crate::flight::{Flight, Summary};
 /// How a flight ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// As it should.
+    /// Completed without collision.
     Success,
-    /// Stopped by someone before its end, until then without fault.
+    /// Stopped before its end, until then without collision.
     Interrupted,
-    /// With a collision or another fault.
+    /// With a collision or another failure.
     Failure,
 }
 
@@ -52,7 +52,7 @@ pub fn headline(summary: &Summary) -> String {
             short(summary.duration_s)
         ),
         Ending::Success if summary.obstacles > 0 => format!(
-            "{flock} flew {} s{among} without collision, {} of them past the last{nearest}",
+            "{flock} flew {} s{among} without collision, {} of them past the last obstacle{nearest}",
             short(summary.duration_s),
             summary.passed_last_obstacle
         ),
@@ -103,11 +103,11 @@ pub fn key_figures(flight: &Flight) -> Vec<KeyFigure> {
     let summary = &flight.summary;
     let at = |at_s: Option<f64>| at_s.map_or_else(String::new, |at_s| format!("at {} s", fixed(at_s, 1)));
     let pair = summary.min_separation_vehicles.map(|[one, other]| format!(", UAVs {one} and {other}"));
-    let who = summary.min_clearance_vehicle.map(|vehicle| format!(", UAV {vehicle}"));
+    let vehicle = summary.min_clearance_vehicle.map(|vehicle| format!(", UAV {vehicle}"));
     let or_never = |time_s: Option<f64>| time_s.map_or_else(|| "never".to_owned(), |time_s| unit(time_s, 1, "s"));
     let or_none = |metres: Option<f64>| metres.map_or_else(|| "none to measure".to_owned(), |m| unit(m, 2, "m"));
     let no_note = String::new;
-    vec![
+    let mut figures = vec![
         (
             "Smallest separation",
             or_none(summary.min_separation_m),
@@ -116,28 +116,31 @@ pub fn key_figures(flight: &Flight) -> Vec<KeyFigure> {
         (
             "Smallest clearance",
             or_none(summary.min_clearance_m),
-            at(summary.min_clearance_at_s) + &who.unwrap_or_default(),
+            at(summary.min_clearance_at_s) + &vehicle.unwrap_or_default(),
         ),
         ("Collisions with obstacles", summary.obstacle_collisions.to_string(), no_note()),
         ("Collisions between UAVs", summary.vehicle_collisions.to_string(), no_note()),
         (
             "Losses of separation",
             summary.separation_losses.to_string(),
-            format!("nearer than D\u{209b} = {} m", flight.field.safe_distance_m),
+            format!("below D\u{209b} = {} m", flight.field.safe_distance_m),
         ),
-        ("Past the last obstacle", format!("{} of {}", summary.passed_last_obstacle, summary.vehicles), no_note()),
         ("Speed converged", or_never(summary.speed_convergence_s), no_note()),
         ("Course converged", or_never(summary.course_convergence_s), no_note()),
         ("Altitude settled", or_never(summary.altitude_settling_s), no_note()),
         (
-            "Speed changed",
+            "Speed variation",
             unit(summary.speed_variation_mps, 1, "m/s"),
-            "up and down, in all, a vehicle on average".to_owned(),
+            "sum of all changes, mean over the flock".to_owned(),
         ),
-        ("Turned", unit(summary.course_variation_rad, 2, "rad"), "left and right, likewise".to_owned()),
-        ("Flock's radius", unit(summary.flock_radius_m, 1, "m"), "mean distance to its centre".to_owned()),
         (
-            "Flown",
+            "Course variation",
+            unit(summary.course_variation_rad, 2, "rad"),
+            "sum of all turns, mean over the flock".to_owned(),
+        ),
+        ("Flock radius", unit(summary.flock_radius_m, 1, "m"), "mean distance from the flock's centre".to_owned()),
+        (
+            "Flight time",
             unit(summary.duration_s, 1, "s"),
             format!("{} ticks of {} s", flight.trajectory.ticks.len(), short(summary.control_period_s)),
         ),
@@ -151,7 +154,12 @@ pub fn key_figures(flight: &Flight) -> Vec<KeyFigure> {
             fixed(summary.real_time_factor, 1),
             format!("{} of wall time", unit(summary.wall_s, 2, "s")),
         ),
-    ]
+    ];
+    if summary.obstacles > 0 {
+        let passed = format!("{} of {}", summary.passed_last_obstacle, summary.vehicles);
+        figures.insert(5, ("Past the last obstacle", passed, no_note()));
+    }
+    figures
 }
 
 /// The counters of the link, one line each; none for a flight in memory.
@@ -206,10 +214,19 @@ mod tests {
         let short_of = Summary { passed_last_obstacle: 3, ..flown() };
         assert!(
             headline(&short_of)
-                .starts_with("5 UAVs flew 42 s among 7 obstacles without collision, 3 of them past the last")
+                .starts_with("5 UAVs flew 42 s among 7 obstacles without collision, 3 of them past the last obstacle")
         );
         let alone = Summary { vehicles: 1, obstacles: 0, min_separation_m: None, duration_s: 12.5, ..flown() };
         assert_eq!(headline(&alone), "1 UAV flew 12.5 s without collision");
+    }
+
+    #[test]
+    fn where_there_is_no_obstacle_nobody_is_past_one() {
+        let named = |obstacles| {
+            let flight = Flight { summary: Summary { obstacles, ..flown() }, ..Flight::default() };
+            key_figures(&flight).into_iter().any(|(name, ..)| name == "Past the last obstacle")
+        };
+        assert!(named(7) && !named(0));
     }
 
     #[test]

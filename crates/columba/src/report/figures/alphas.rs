@@ -1,6 +1,10 @@
 //! Alpha over time.
 
-use super::{bounds, is_drawable, time_frame};
+use super::{
+    bounds,
+    spread::{GREATEST, LEAST, MEDIAN, P25, P75, Spread},
+    time_frame,
+};
 use crate::{
     flight::Flight,
     report::{
@@ -9,8 +13,8 @@ use crate::{
     },
 };
 
-/// Alpha over time: for each term the median over the flock and the band from least to greatest. One panel if all terms
-/// share one alpha.
+/// Alpha over time: for each term the median over the flock, the band of its middle half, and the band from least to
+/// greatest. One panel if all terms share one alpha.
 pub fn alphas(flight: &Flight) -> String {
     let rows = &flight.trajectory.rows;
     let shared = rows.iter().all(|row| row.alpha.iter().all(|alpha| *alpha == row.alpha[0]));
@@ -18,7 +22,8 @@ pub fn alphas(flight: &Flight) -> String {
         if shared { &[(0, "α, all terms")] } else { &[(0, "α formation"), (1, "α obstacle"), (2, "α neighbours")] };
     let legend = Legend::new([
         (Mark::Line(Stroke::solid(series(0), 1.8)), "median".to_owned()),
-        (Mark::Band(series(0)), "least to greatest".to_owned()),
+        (Mark::Band(series(0), INNER + OUTER), "25 to 75 %".to_owned()),
+        (Mark::Band(series(0), OUTER), "least to greatest".to_owned()),
     ]);
 
     let (_, high) = bounds(rows.iter().flat_map(|row| row.alpha).chain([1.0]));
@@ -27,7 +32,7 @@ pub fn alphas(flight: &Flight) -> String {
         time_frame(flight, legend.height(), height, Axis::nice(0.0, high, 1.0, if shared { 5.0 } else { 3.0 }));
     let below = (panels.len() as f64 - 1.0) * (height + gap);
     let mut drawing = Drawing::new(WIDTH_PX, frame.top + below + height + BELOW_PX, "Alpha over time");
-    legend.draw(&mut drawing);
+    legend.draw(&mut drawing, 0.0);
     for (index, (term, name)) in panels.iter().enumerate() {
         let x_label = if index + 1 == panels.len() { "time (s)" } else { "" };
         frame.draw(&mut drawing, x_label, name);
@@ -37,27 +42,23 @@ pub fn alphas(flight: &Flight) -> String {
     drawing.finish()
 }
 
-/// The median and the band of one term's alpha over the flock.
-fn draw_spread(drawing: &mut Drawing, frame: &Frame, flight: &Flight, term: usize) {
-    let mut spread = Vec::with_capacity(flight.trajectory.ticks.len());
-    for (tick, rows) in flight.trajectory.iter() {
-        let alphas = rows.iter().filter_map(|row| row.alpha.get(term)).copied();
-        let mut alphas: Vec<f64> = alphas.filter(|alpha| is_drawable(*alpha)).collect();
-        alphas.sort_by(f64::total_cmp);
-        if let (Some(least), Some(greatest)) = (alphas.first(), alphas.last()) {
-            spread.push((tick.t_s, *least, median(&alphas), *greatest));
-        }
-    }
-    let upper = spread.iter().map(|&(t_s, _, _, greatest)| (t_s, greatest));
-    let lower = spread.iter().rev().map(|&(t_s, least, ..)| (t_s, least));
-    drawing.area(&frame.points(upper.chain(lower)), series(0), " fill-opacity=\"0.25\"");
-    let medians = spread.iter().map(|&(t_s, _, median, _)| (t_s, median));
-    drawing.line(&frame.points(medians), Stroke::solid(series(0), 1.8));
-}
+/// Opacities of the bands.
+const OUTER: f64 = 0.2;
+const INNER: f64 = 0.35;
 
-fn median(sorted: &[f64]) -> f64 {
-    let middle = |index: usize| sorted.get(index).copied().unwrap_or(f64::NAN);
-    0.5 * (middle((sorted.len().max(1) - 1) / 2) + middle(sorted.len() / 2))
+/// The median and the bands of one term's alpha over the flock.
+fn draw_spread(drawing: &mut Drawing, frame: &Frame, flight: &Flight, term: usize) {
+    let spreads: Vec<Spread> = flight
+        .trajectory
+        .iter()
+        .filter_map(|(tick, rows)| Spread::of(tick.t_s, rows.iter().filter_map(|row| row.alpha.get(term)).copied()))
+        .collect();
+    let side = |quantile: usize| spreads.iter().map(move |spread| (spread.t_s, spread.quantiles[quantile]));
+    for (low, high, opacity) in [(LEAST, GREATEST, OUTER), (P25, P75, INNER)] {
+        let outline = frame.points(side(high).chain(side(low).rev()));
+        drawing.area(&outline, series(0), &format!(" fill-opacity=\"{opacity}\""));
+    }
+    drawing.line(&frame.points(side(MEDIAN)), Stroke::solid(series(0), 1.8));
 }
 
 #[cfg(test)]
@@ -73,12 +74,5 @@ mod tests {
             row.alpha = [row.alpha[0]; 3];
         }
         assert_eq!(alphas(&flight).matches("<clipPath").count(), 1);
-    }
-
-    #[test]
-    fn the_median_of_an_even_flock_lies_between_the_middle_two() {
-        assert_eq!(median(&[1.0, 2.0, 7.0]), 2.0);
-        assert_eq!(median(&[1.0, 2.0, 4.0, 7.0]), 3.0);
-        assert!(median(&[]).is_nan());
     }
 }

@@ -1,20 +1,33 @@
-//! The figures of a flight, each a function from the flight to an SVG: the three of the paper's Fig. 2 and three more.
+//! The figures of a flight, each a function from the flight to an SVG: the three of the paper's Fig. 2 and four more.
+//!
+//! Up to [`LINES_MAX`] vehicles have a line each. More of them are bands of percentiles over the flock, and by number the
+//! vehicles that leave the bands.
 
 mod alphas;
+mod bank;
 mod distances;
 mod paths;
+mod spread;
 
 pub use alphas::alphas;
+pub use bank::bank;
 pub use distances::distances;
 pub use paths::paths;
+pub use spread::quantile;
 
 use super::{
-    chart::{Axis, BELOW_PX, Frame, GUIDE, INK, LEFT_PX, Legend, Mark, RIGHT_PX, SERIES, WIDTH_PX, series},
+    chart::{Axis, BELOW_PX, Frame, GUIDE, LEFT_PX, Legend, Mark, RIGHT_PX, SERIES, WIDTH_PX, series},
     svg::{Drawing, Stroke},
 };
 use crate::flight::{Flight, Row, vehicle_number};
 use flight_model::wrap_pi;
 use rayon::prelude::*;
+
+/// More vehicles than this are not told apart by lines: there are so many colours, each solid and dashed.
+pub const LINES_MAX: usize = 2 * SERIES.len();
+
+/// One vehicle's values over time, s.
+pub type VehicleLine = Vec<(f64, f64)>;
 
 /// A figure with its place in a paper.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,20 +42,29 @@ pub struct Figure {
     pub svg: String,
 }
 
-/// All figures, in the order of the report.
+/// The names of all figures, in the order of the report.
+pub const NAMES: [&str; 7] = ["paths", "distances", "speeds", "courses", "bank", "altitudes", "alphas"];
+
+/// All figures, in the order of [`NAMES`].
 pub fn all(flight: &Flight) -> Vec<Figure> {
     type Draw = fn(&Flight) -> String;
-    let figures: [(&str, &str, String, Draw); 6] = [
+    let figures: [(&str, &str, String, Draw); 7] = [
         ("paths", "Paths among the obstacles", paths::caption(flight), paths),
-        ("speeds", "Speeds", "Horizontal speed of every UAV at each tick.".to_owned(), speeds),
-        ("courses", "Courses", "Course over ground of every UAV, from x towards y.".to_owned(), courses),
-        ("altitudes", "Altitudes", "Altitude of every UAV above the scenario's origin.".to_owned(), altitudes),
         ("distances", "Smallest separation and clearance", distances::caption(flight), distances),
+        ("speeds", "Speed", over_flock(flight, "Horizontal speed at each tick."), speeds),
+        (
+            "courses",
+            "Course",
+            over_flock(flight, "Course over ground at each tick, clockwise from north: from x towards y."),
+            courses,
+        ),
+        ("bank", "Bank angle", over_flock(flight, bank::CAPTION), bank),
+        ("altitudes", "Altitude", over_flock(flight, "Altitude above the scenario's origin at each tick."), altitudes),
         (
             "alphas",
-            "Weights chosen by the optimiser",
-            "Alpha of the formation, obstacle and neighbour-velocity terms (Eq. 5, 7, 8): the median over the flock and \
-             the band between its least and its greatest."
+            "Weights from the optimiser",
+            "Alpha of the formation, obstacle and neighbour-velocity terms (Eq. 5, 7, 8) over the flock at each tick. 1: \
+             the term acts as designed; 0: not at all."
                 .to_owned(),
             alphas,
         ),
@@ -53,52 +75,77 @@ pub fn all(flight: &Flight) -> Vec<Figure> {
         .collect()
 }
 
+/// A caption, with what the bands are where there are bands.
+fn over_flock(flight: &Flight, caption: &str) -> String {
+    if flight.trajectory.vehicles <= LINES_MAX {
+        return format!("{caption} One line for each UAV.");
+    }
+    format!(
+        "{caption} Bands hold the middle 50 % and 90 % of the flock at each moment. UAVs that leave the bands farthest are \
+         drawn, and numbered where they are farthest out."
+    )
+}
+
 /// Speed over time (the paper's Fig. 2b).
 pub fn speeds(flight: &Flight) -> String {
     let expected = flight.field.expected.speed_mps;
-    over_time(flight, "speeds", "speed (m/s)", expected, 1.0, |row| row.state.speed_mps)
+    over_time(flight, "speeds", "speed (m/s)", expected, 1.0, &lines(flight, |row| row.state.speed_mps))
 }
 
 /// Course over time in degrees (the paper's Fig. 2c), on the turn around the expected course.
 pub fn courses(flight: &Flight) -> String {
     let expected_rad = wrap_pi(flight.field.expected.course_rad);
-    over_time(flight, "courses", "course (\u{b0})", expected_rad.to_degrees(), 10.0, |row| {
-        (expected_rad + wrap_pi(row.state.course_rad - expected_rad)).to_degrees()
-    })
+    let course_deg = |row: &Row| (expected_rad + wrap_pi(row.state.course_rad - expected_rad)).to_degrees();
+    over_time(flight, "courses", "course (\u{b0})", expected_rad.to_degrees(), 10.0, &lines(flight, course_deg))
 }
 
 /// Altitude over time.
 pub fn altitudes(flight: &Flight) -> String {
     let expected = flight.field.expected.altitude_m;
-    over_time(flight, "altitudes", "altitude (m)", expected, 2.0, |row| row.state.altitude_m)
+    over_time(flight, "altitudes", "altitude (m)", expected, 2.0, &lines(flight, |row| row.state.altitude_m))
 }
 
-/// A figure with one line for each vehicle and a dashed one for the expected value.
+/// A value of every vehicle at each tick.
+fn lines(flight: &Flight, value: impl Fn(&Row) -> f64) -> Vec<VehicleLine> {
+    let line = |vehicle| flight.trajectory.vehicle(vehicle).map(|(t_s, row)| (t_s, value(row))).collect();
+    (0..flight.trajectory.vehicles).map(line).collect()
+}
+
+/// A figure of one value over time, with a dashed line for the expected one.
 fn over_time(
     flight: &Flight,
     name: &str,
     y_label: &str,
     expected: f64,
     least_span: f64,
-    value: impl Fn(&Row) -> f64,
+    lines: &[VehicleLine],
 ) -> String {
-    let trajectory = &flight.trajectory;
     let guide = Stroke { dashes: "7 4", ..Stroke::solid(GUIDE, 1.4) };
-    let legend = Legend::new(
-        vehicle_entries(trajectory.vehicles, Mark::Line)
-            .into_iter()
-            .chain([(Mark::Line(guide), "expected".to_owned())]),
-    );
-    let (low, high) = bounds(trajectory.rows.iter().map(&value).chain([expected]));
-    let frame = time_frame(flight, legend.height(), 230.0, Axis::nice(low, high, least_span, 5.0));
+    let (low, high) = bounds(lines.iter().flatten().map(|(_, value)| *value).chain([expected]));
+    let y = Axis::nice(low, high, least_span, 7.0);
+    let spread = (lines.len() > LINES_MAX).then(|| {
+        let spreads = spread::spreads(lines);
+        let outliers = spread::outliers(lines, &spreads, &y);
+        (spreads, outliers)
+    });
+    let entries = match &spread {
+        Some((_, outliers)) => spread::legend(lines.len(), outliers),
+        None => vehicle_entries(lines.len(), Mark::Line),
+    };
+    let legend = Legend::new(entries.into_iter().chain([(Mark::Line(guide), "expected".to_owned())]));
+    let frame = time_frame(flight, legend.height(), 230.0, y);
 
     let mut drawing = new_drawing(&frame, &format!("{y_label} over time"));
-    legend.draw(&mut drawing);
+    legend.draw(&mut drawing, 0.0);
     frame.draw(&mut drawing, "time (s)", y_label);
     frame.clipped(&mut drawing, name, |drawing| {
-        for vehicle in 0..trajectory.vehicles {
-            let line: Vec<(f64, f64)> = trajectory.vehicle(vehicle).map(|(t_s, row)| (t_s, value(row))).collect();
-            drawing.line(&frame.points(broken_at_seam(&line)), vehicle_stroke(vehicle, trajectory.vehicles));
+        match &spread {
+            Some((spreads, outliers)) => spread::draw(drawing, &frame, lines, spreads, outliers),
+            None => {
+                for (vehicle, line) in lines.iter().enumerate() {
+                    drawing.line(&frame.points(broken_at_seam(line)), vehicle_stroke(vehicle, lines.len()));
+                }
+            }
         }
         horizontal(drawing, &frame, expected, guide);
     });
@@ -137,21 +184,15 @@ fn horizontal(drawing: &mut Drawing, frame: &Frame, value: f64, stroke: Stroke) 
     drawing.line(&[(frame.left, y), (frame.left + frame.width, y)], stroke);
 }
 
+/// The line of a vehicle: its colour, dashed where the colours come a second time.
 fn vehicle_stroke(vehicle: usize, vehicles: usize) -> Stroke {
-    let (width, opacity) = match vehicles {
-        0..=8 => (1.7, 1.0),
-        9..=30 => (1.2, 0.9),
-        _ => (0.9, 0.55),
-    };
-    Stroke { opacity, ..Stroke::solid(series(vehicle), width) }
+    let width = if vehicles > SERIES.len() { 1.3 } else { 1.7 };
+    let dashes = if vehicle < SERIES.len() { "" } else { "5 2.5" };
+    Stroke { dashes, ..Stroke::solid(series(vehicle), width) }
 }
 
-/// One entry for each vehicle while there are colours for them, one for all beyond that.
-fn vehicle_entries(vehicles: usize, mark: fn(Stroke) -> Mark) -> Vec<(Mark, String)> {
-    if vehicles > SERIES.len() {
-        let stroke = Stroke::solid(INK, 1.2);
-        return vec![(mark(stroke), format!("UAVs 1 to {vehicles}, colours repeat"))];
-    }
+/// One entry for each vehicle.
+fn vehicle_entries(vehicles: usize, mark: impl Fn(Stroke) -> Mark) -> Vec<(Mark, String)> {
     let entry = |vehicle| {
         let number = vehicle_number(vehicle);
         let words = if vehicle == 0 { format!("UAV {number}") } else { number.to_string() };
@@ -182,8 +223,16 @@ mod tests {
     fn all_figures_are_drawn_with_a_label_and_a_unit_on_each_axis() {
         let figures = all(&sample::flight(5, 7, 60));
         let names: Vec<&str> = figures.iter().map(|figure| figure.name).collect();
-        assert_eq!(names, ["paths", "speeds", "courses", "altitudes", "distances", "alphas"]);
-        let labels = ["x, north (m)", "speed (m/s)", "course (\u{b0})", "altitude (m)", "distance (m)", "time (s)"];
+        assert_eq!(names, NAMES);
+        let labels = [
+            "x, north (m)",
+            "clearance (m)",
+            "speed (m/s)",
+            "course (\u{b0})",
+            "bank, right (\u{b0})",
+            "altitude (m)",
+            "time (s)",
+        ];
         for (figure, label) in figures.iter().zip(labels) {
             assert!(figure.svg.contains(label), "{}", figure.name);
             assert!(figure.svg.len() > 2000 && !figure.caption.is_empty(), "{}", figure.name);
@@ -217,8 +266,27 @@ mod tests {
     }
 
     #[test]
-    fn many_vehicles_share_one_entry_of_the_legend() {
-        assert_eq!(vehicle_entries(5, Mark::Line).len(), 5);
-        assert_eq!(vehicle_entries(50, Mark::Line).len(), 1);
+    fn every_line_of_a_figure_is_told_apart_and_more_vehicles_are_bands() {
+        let entries = vehicle_entries(LINES_MAX, Mark::Line);
+        let styles: std::collections::HashSet<String> = entries.iter().map(|(mark, _)| format!("{mark:?}")).collect();
+        assert_eq!(styles.len(), LINES_MAX);
+        for (vehicles, bands) in [(LINES_MAX, 0), (LINES_MAX + 1, 2), (200, 2)] {
+            let flight = sample::flight(vehicles, 0, 30);
+            for svg in [speeds(&flight), courses(&flight), altitudes(&flight), bank(&flight)] {
+                // In the drawing and in the legend.
+                assert_eq!(svg.matches("<polygon").count(), 2 * bands, "{vehicles}");
+                assert!(svg.matches("<path").count() < 60 + vehicles.min(LINES_MAX), "no line for each of {vehicles}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_vehicle_that_leaves_the_flock_is_numbered() {
+        let mut flight = sample::flight(50, 0, 60);
+        for tick in 20..30 {
+            flight.trajectory.rows[50 * tick + 41].state.altitude_m = 90.0;
+        }
+        let svg = altitudes(&flight);
+        assert!(svg.contains(">UAV 42</text>") && svg.contains(">42</text>"), "{svg}");
     }
 }
