@@ -21,7 +21,7 @@ impl Parameters {
     }
 }
 
-/// Widens the limits of the flight model to what parameter files say of the vehicle.
+/// Widens the limits of the flight model to what parameter files say of the vehicle, which starts at its cruise speed.
 pub(crate) fn shape_limits(settings: &mut VehicleSettings) {
     if !settings.files_shape_limits {
         return;
@@ -31,6 +31,10 @@ pub(crate) fn shape_limits(settings: &mut VehicleSettings) {
     for entry in settings.parameter_files.entries() {
         let value = entry.value;
         match parameters.named(&entry.name).filter(|_| value > 0.0 && value.is_finite()) {
+            Some(Parameter::AirspeedCruise) => {
+                settings.cruise_speed_mps = Some(value);
+                settings.start.speed_mps = value;
+            }
             Some(Parameter::AirspeedMin) => limits.speed_min_mps = limits.speed_min_mps.min(value),
             Some(Parameter::AirspeedMax) => limits.speed_max_mps = limits.speed_max_mps.max(value),
             Some(Parameter::ClimbMax) => limits.climb_max_mps = limits.climb_max_mps.max(value),
