@@ -18,9 +18,8 @@ fn main() {
     println!(
         "{fields} random fields, {vehicles} vehicles, starts at least 5 m apart and up to 46 degrees off course\n"
     );
-    println!(
-        "| settings | hit an obstacle | collided | lost separation | median least separation, m | clearance, m | spread at the end, m | turned, rad |"
-    );
+    let columns = "hit an obstacle | collided | lost separation | median least separation, m | clearance, m";
+    println!("| settings | {columns} | spread at the end, m | turned, rad |");
     println!("|---|---|---|---|---|---|---|---|");
     for (name, controller) in variants() {
         let flown: Vec<Flown> = (1..=fields)

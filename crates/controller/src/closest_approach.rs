@@ -2,7 +2,8 @@
 
 use nalgebra::Vector2;
 
-/// Least distance between two vehicles, m, while the offset from one to the other changes evenly from `from_m` to `to_m`.
+/// Least distance between two vehicles, m, while the offset from one to the other changes evenly from `from_m` to
+/// `to_m`.
 pub fn closest_approach_m(from_m: Vector2<f64>, to_m: Vector2<f64>) -> f64 {
     let way = to_m - from_m;
     let share = (-from_m.dot(&way) / way.dot(&way).max(1e-12)).clamp(0.0, 1.0);

@@ -8,7 +8,8 @@ use nalgebra::Vector2;
 /// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
 const PRINTED_ALTITUDE_PERIOD_MAX_S: f64 = 0.2;
 
-/// Greatest course change that one command may ask, rad. Below half a turn, so that the short way round is the way meant.
+/// Greatest course change that one command may ask, rad. Below half a turn, so that the short way round is the way
+/// meant.
 const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
 
 /// Turns demands into commands for one kind of vehicle at one control period.
@@ -58,8 +59,8 @@ impl Commander {
         (setpoint_mps, (self.speed_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad))
     }
 
-    /// Greatest course change that the vehicle can follow below its limit of turn rate, rad; the faster it is or gets on
-    /// the way, the lower.
+    /// Greatest course change that the vehicle can follow below its limit of turn rate, rad; the faster it is or gets
+    /// on the way, the lower.
     pub fn course_bound_rad(&self, speed_mps: f64, setpoint_mps: f64) -> f64 {
         let fastest_mps = speed_mps.max(self.speed_min_mps).max(setpoint_mps);
         self.course_change_max_rad.min(self.course_change_speed_max / fastest_mps)

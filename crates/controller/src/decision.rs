@@ -1,4 +1,4 @@
-//! What goes into a flock and what comes out of it.
+//! The settings of a flock and its decisions: what goes into a tick and what comes out.
 
 use crate::{ControllerSettings, Expected, Obstacle};
 use flight_model::{Dynamics, Setpoint};
@@ -6,13 +6,23 @@ use optimizer::OptimizerSettings;
 use std::time::Duration;
 
 /// What a flock needs to know before its first tick.
+///
+/// ```
+/// use controller::{ControllerSettings, Expected, FlockSettings};
+///
+/// // The letter of the paper instead of the default readings, with another seed.
+/// let expected = Expected { speed_mps: 10.0, course_rad: 0.5, altitude_m: 50.0 };
+/// let settings =
+///     FlockSettings { controller: ControllerSettings::literal(), seed: 7, ..FlockSettings::new(expected) };
+/// assert_eq!(settings.control_period_s, 0.5);
+/// ```
 #[derive(Clone, Debug)]
 pub struct FlockSettings {
     /// The flocking law, its weights and look-ahead.
     pub controller: ControllerSettings,
-    /// The optimiser that picks the weights.
+    /// The optimiser that chooses the weights.
     pub optimizer: OptimizerSettings,
-    /// Key of every random number, with the vehicle's index and the tick.
+    /// With the vehicle's index and the tick, the key of every random number.
     pub seed: u64,
     /// T, s.
     pub control_period_s: f64,
@@ -39,7 +49,7 @@ impl FlockSettings {
     }
 }
 
-/// What one vehicle is told at one tick, and how that came about.
+/// The setpoint of one vehicle at one tick, and how it was chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Decision {
     /// The inputs of the three autopilots (Eq. 2).

@@ -1,9 +1,9 @@
-//! What to do where the law leads too near to something.
+//! Evasion: other commands where the law leads too near to something.
 //!
-//! The weights span only what the law can ask for, and each vehicle picks its own without knowledge of what the others
-//! pick. Where the commands together lead too near to something, a vehicle tries others: a grid of speeds and course
-//! changes, each flown for one control period and followed by the law, of which it takes the mildest of those that fall
-//! short least.
+//! The weights span only the commands that the law can give, and each vehicle chooses its weights without knowing those
+//! of the others. Where the commands together lead too near to something, a vehicle tries other commands: a grid of
+//! speeds and course changes, each flown for one control period and followed by the law. It takes the mildest of the
+//! commands with the least shortfall.
 
 use crate::command::Commander;
 use crate::look_ahead::{Commands, LookAhead, Scene};
@@ -15,7 +15,7 @@ const COURSES: [f64; 9] = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0];
 /// Speeds, as shares of the way from the present one to the slowest (negative) or the fastest.
 const SPEEDS: [f64; 7] = [0.0, 0.33, -0.33, 0.67, -0.67, 1.0, -1.0];
 
-/// A horizontal command and what it leads to.
+/// A horizontal command and its predicted shortfall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evasion {
     pub speed_setpoint_mps: f64,
@@ -24,8 +24,8 @@ pub struct Evasion {
     pub violation_m: f64,
 }
 
-/// The command that falls short of the constraints least: the present one (speed setpoint, course change), or the mildest
-/// of the grid that is better.
+/// The command that falls short of the constraints least: the present one (speed setpoint, course change), or the
+/// mildest of the grid that is better.
 pub fn evade(
     look_ahead: &LookAhead,
     commander: &Commander,
@@ -48,7 +48,7 @@ pub fn evade(
     let shortfalls_m = look_ahead.try_commands(scene, &commands, weights, count, rollout);
     let mut best = (0, shortfalls_m[0]);
     for (index, &shortfall_m) in shortfalls_m.iter().enumerate() {
-        // A millimetre of gain is worth no harder command.
+        // Less than a millimetre of gain does not justify a harder command.
         if shortfall_m < best.1 - 1e-3 {
             best = (index, shortfall_m);
         }

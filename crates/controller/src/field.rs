@@ -1,4 +1,4 @@
-//! Where the flock flies: the obstacles and what is expected of every vehicle.
+//! The field: obstacles, and the expected velocity and altitude of the flock.
 
 use flight_model::course_vector;
 use nalgebra::Vector2;
@@ -14,7 +14,7 @@ pub struct Obstacle {
     pub radius_m: f64,
 }
 
-/// What the flock is to do (v_e and h_e of the paper).
+/// The velocity and altitude that the flock is to fly (v_e and h_e of the paper).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
     /// V_e, m/s.
@@ -27,6 +27,7 @@ pub struct Expected {
 
 impl Expected {
     /// The unit vector along the expected course (north, east).
+    #[inline]
     pub fn direction(&self) -> Vector2<f64> {
         course_vector(self.course_rad)
     }
@@ -34,11 +35,13 @@ impl Expected {
 
 impl Obstacle {
     /// Its centre (north, east), m.
+    #[inline]
     pub fn centre_m(&self) -> Vector2<f64> {
         Vector2::new(self.x_m, self.y_m)
     }
 
     /// Distance from a position (north, east), m, to the edge, m; negative inside.
+    #[inline]
     pub fn clearance_m(&self, position_m: Vector2<f64>) -> f64 {
         (self.centre_m() - position_m).norm() - self.radius_m
     }

@@ -10,6 +10,8 @@ use rayon::prelude::*;
 use std::time::Duration;
 
 /// The ground controller of a flock. It knows no sockets, no clock and no MAVLink.
+///
+/// Make it once with [`Flock::new`], then call [`Flock::tick`] once per control period with the states of all vehicles.
 pub struct Flock {
     settings: FlockSettings,
     pilots: Vec<Pilot>,
@@ -21,10 +23,10 @@ pub struct Flock {
 }
 
 impl Flock {
-    /// A flock of `vehicles`.
+    /// The controller of a flock of `vehicles` vehicles.
     ///
     /// # Errors
-    /// When the optimiser's settings make no sense.
+    /// A setting of the optimiser is out of its range.
     pub fn new(settings: FlockSettings, vehicles: usize) -> Result<Self, optimizer::SettingsError> {
         let pilots = (0..vehicles).map(|_| Pilot::new(&settings)).collect::<Result<_, _>>()?;
         Ok(Self {
@@ -39,11 +41,44 @@ impl Flock {
         })
     }
 
-    /// One control period: a setpoint for each of `states`, in their order. There must be as many as vehicles: of any
-    /// further ones, or of vehicles without a state, the decision stays what it was.
+    /// Algorithm 2 for one control period: a decision for each vehicle, in the order of `states`.
     ///
-    /// Vehicles are solved in parallel on rayon's current pool; the result does not depend on its size. `clock` only
-    /// times the solves.
+    /// `tick` counts the control periods from 0; with the seed and the vehicle's index it is the key of all random
+    /// numbers, so that the same tick with the same states gives the same decisions. `states` must hold one state per
+    /// vehicle: states beyond the number of vehicles are ignored, and a vehicle without a state keeps its last
+    /// decision. `clock` only measures the time of the solves, and may return zero.
+    ///
+    /// Vehicles are solved in parallel on rayon's current pool; the result does not depend on the size of the pool.
+    /// After the first ticks nothing is allocated.
+    ///
+    /// ```
+    /// use controller::{Expected, Flock, FlockSettings, Obstacle};
+    /// use flight_model::{Autopilot, Dynamics, State};
+    /// use std::time::Duration;
+    ///
+    /// let expected = Expected { speed_mps: 10.0, course_rad: 0.0, altitude_m: 50.0 };
+    /// let settings = FlockSettings {
+    ///     obstacles: vec![Obstacle { x_m: 70.0, y_m: 0.0, radius_m: 8.0 }],
+    ///     ..FlockSettings::new(expected)
+    /// };
+    /// let period_s = settings.control_period_s;
+    ///
+    /// // Three vehicles abreast, 10 m apart, a little slower than expected.
+    /// let start = |y_m| State { y_m, altitude_m: 50.0, speed_mps: 9.0, ..State::default() };
+    /// let mut states = [-10.0, 0.0, 10.0].map(start);
+    /// let mut flock = Flock::new(settings, states.len())?;
+    ///
+    /// // Each vehicle follows its setpoint for one control period of 0.5 s.
+    /// let autopilot = Autopilot::new(&Dynamics::default(), period_s);
+    /// for tick in 0..24 {
+    ///     let decisions = flock.tick(tick, &states, &|| Duration::ZERO);
+    ///     for (state, decision) in states.iter_mut().zip(decisions) {
+    ///         *state = autopilot.step(state, &decision.setpoint);
+    ///     }
+    /// }
+    /// assert!(states.iter().all(|state| state.x_m > 90.0), "all are past the obstacle");
+    /// # Ok::<(), optimizer::SettingsError>(())
+    /// ```
     pub fn tick(&mut self, tick: u64, states: &[State], clock: &(dyn Fn() -> Duration + Sync)) -> &[Decision] {
         self.look_around(states);
         let around =
@@ -60,7 +95,8 @@ impl Flock {
         &self.decisions
     }
 
-    /// The part of a tick that concerns one vehicle: what it would decide by itself, having heard the others.
+    /// The part of [`tick`](Self::tick) for one vehicle alone: its decision before all decisions are checked together.
+    /// None if there is no such vehicle or no state of it.
     pub fn decide(
         &mut self,
         tick: u64,
@@ -89,9 +125,9 @@ impl Flock {
         }
     }
 
-    /// Looks at all commands together before they go out: each was decided without knowledge of the others, and two that
-    /// dodge each other may dodge into each other. One by one, in their order, vehicles that would come too near change
-    /// their command, knowing those of all others.
+    /// Checks all commands together before they are sent: each was chosen without knowledge of the others, and two
+    /// vehicles that evade each other may turn into each other. One by one, in their order, vehicles that would come
+    /// too near change their command, knowing those of all others.
     fn deconflict(&mut self, states: &[State]) {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);

@@ -1,4 +1,4 @@
-//! Where the neighbours will be while a vehicle looks ahead.
+//! The forecast of all vehicles during a look-ahead.
 
 use crate::command::Commander;
 use crate::law::command;
@@ -33,7 +33,7 @@ pub struct Forecast {
     near: Vec<Neighbour>,
 }
 
-/// What it takes to fly the law for any vehicle of the flock.
+/// What the flocking law needs besides the states: the same for every vehicle of the flock.
 pub struct LawContext<'a> {
     pub law: &'a LawSettings,
     pub expected: &'a Expected,
@@ -64,8 +64,8 @@ impl Forecast {
         }
     }
 
-    /// Every vehicle flies the flocking law with its `weights`, all at once. Where a vehicle has a `first` command already,
-    /// it follows that for the first control period.
+    /// Every vehicle flies the flocking law with its `weights`, all at once. Where a vehicle has a `first` command
+    /// already, it follows that for the first control period.
     pub fn fly_the_law(
         &mut self,
         context: &LawContext<'_>,
@@ -107,7 +107,7 @@ impl Forecast {
         }
     }
 
-    /// One vehicle alone changes its mind about its first command; the others fly on as they were to.
+    /// Forecasts one vehicle again with another first command; the forecast of the others stays.
     pub fn fly_again(
         &mut self,
         context: &LawContext<'_>,
@@ -147,6 +147,7 @@ impl Forecast {
 
 impl Passage {
     /// (North, east), m.
+    #[inline]
     pub fn position_m(&self) -> Vector2<f64> {
         Vector2::new(self.x_m, self.y_m)
     }

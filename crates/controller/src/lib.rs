@@ -1,7 +1,10 @@
 //! The flocking law of Ruan and Duan (Eq. 4-12), its look-ahead, and the tick of a flock (Algorithm 2).
 //!
-//! Sans-I/O: [`Flock::tick`] takes the states of the vehicles and gives a setpoint for each. It knows no MAVLink, no
+//! Sans-I/O: [`Flock::tick`] takes the states of the vehicles and returns a setpoint for each. It knows no MAVLink, no
 //! socket and no clock, and the same states, seed and tick give the same bits on any number of threads.
+//!
+//! [`Flock::tick`] has a short example. The example `1_own_loop` flies the paper's flock in a loop of one's own:
+//! `cargo run --release -p controller --example 1_own_loop`.
 //!
 //! | equation | file |
 //! |---|---|

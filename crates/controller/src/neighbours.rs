@@ -1,11 +1,11 @@
-//! Who is near whom.
+//! The nearest neighbours of a vehicle.
 
 use flight_model::State;
 
 /// A snapshot of the flock sorted by northing, in which the neighbours of a place are found in a window.
 ///
-/// A flock is long and thin or a blob: one sorted axis prunes well enough, costs a sort a tick and nothing else. Next to
-/// a solve (a hundred microseconds) the search of one window is nothing even for thousands of vehicles.
+/// One sorted axis is enough: it costs one sort per tick, and the search of one window takes little time compared with
+/// a solve (a hundred microseconds), even for thousands of vehicles.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
     by_northing: Vec<u32>,
@@ -20,7 +20,8 @@ impl Neighbours {
             .sort_unstable_by(|&a, &b| states[a as usize].x_m.total_cmp(&states[b as usize].x_m).then(a.cmp(&b)));
     }
 
-    /// The nearest others within `range_m` of vehicle `of`, nearest first and at most `most`, as (squared distance, index).
+    /// The nearest others within `range_m` of vehicle `of`, nearest first and at most `most`, as (squared distance,
+    /// index).
     pub fn nearest(&self, states: &[State], of: usize, range_m: f64, most: usize, found: &mut Vec<(f64, u32)>) {
         found.clear();
         let centre = &states[of];
@@ -48,7 +49,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn finds_what_a_full_search_finds(places in prop::collection::vec((-100.0..100.0f64, -100.0..100.0f64), 1..60)) {
+        fn finds_what_a_full_search_finds(
+            places in prop::collection::vec((-100.0..100.0f64, -100.0..100.0f64), 1..60),
+        ) {
             let states: Vec<State> = places.iter().map(|&(x_m, y_m)| State { x_m, y_m, ..State::default() }).collect();
             let mut index = Neighbours::default();
             index.update(&states);

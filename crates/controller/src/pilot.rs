@@ -1,4 +1,5 @@
-//! Algorithm 2, lines 4 to 6: one vehicle's part of a tick: what it sees, the weights that the optimiser picks for it, and the command that follows.
+//! Algorithm 2, lines 4 to 6: one vehicle's part of a tick: what it perceives, the weights that the optimiser chooses,
+//! and the command that follows.
 
 use crate::closest_approach::closest_approach_m;
 use crate::command::Commander;
@@ -34,7 +35,7 @@ pub struct Pilot {
     rollout: Box<Rollout>,
 }
 
-/// What a vehicle sees at one tick.
+/// What a vehicle perceives at one tick.
 #[derive(Default)]
 struct Sight {
     /// The nearest others: squared distance and index.
@@ -94,7 +95,8 @@ impl Pilot {
         Decision { setpoint, weights: choice.weights, feasible: choice.violation_m <= 0.0, solve }
     }
 
-    /// Thinks a decision over once the forecast is that of the commands which the others have been given meanwhile.
+    /// Checks a decision again with the forecast of the commands that the other vehicles have been given; returns
+    /// another decision if this one leads too near to something.
     pub fn reconsider(&mut self, around: &Surroundings<'_>, vehicle: usize, decision: Decision) -> Option<Decision> {
         let (settings, state) = (around.settings, *around.states.get(vehicle)?);
         let separation_m = settings.controller.look_ahead.separation_m;
@@ -126,7 +128,7 @@ impl Pilot {
 }
 
 impl Sight {
-    /// What the look-ahead is to know of it.
+    /// The input of the look-ahead.
     fn scene(&self, settings: &FlockSettings, state: State) -> Scene<'_> {
         let (law, position_m) = (&settings.controller.law, state.position_m());
         let heading = course_vector(state.course_rad);
@@ -148,7 +150,7 @@ impl Sight {
         }
     }
 
-    /// Fills the buffers with what the vehicle sees.
+    /// Fills the buffers with the neighbours and obstacles around the vehicle.
     fn look_around(&mut self, around: &Surroundings<'_>, vehicle: usize) {
         let settings = around.settings;
         let (law, look_ahead) = (&settings.controller.law, &settings.controller.look_ahead);
@@ -193,7 +195,8 @@ fn pick_weights(
             let weights = [0, 1, 2].map(|term| front.position(best, if dimensions == 1 { 0 } else { term }));
             Choice { weights, violation_m: front.violation()[best] }
         }
-        // No finite prediction: only a state that is not finite gives that. The middle of the range harms least.
+        // No finite prediction, which only a state that is not finite causes. The middle of the range is the safest
+        // choice.
         Err(_) => Choice { weights: [middle; 3], violation_m: f64::INFINITY },
     }
 }

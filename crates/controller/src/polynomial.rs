@@ -7,8 +7,8 @@
 /// Angles that [`sincos`] takes, rad: commands are bounded so that no turn within one control period is greater.
 pub const SINCOS_RANGE_RAD: f64 = 1.5;
 
-/// Sine and cosine of an angle within +-[`SINCOS_RANGE_RAD`], to 2e-11: their Taylor series, summed pairwise so that the
-/// terms do not wait for each other.
+/// Sine and cosine of an angle within +-[`SINCOS_RANGE_RAD`], to 2e-11: their Taylor series, summed pairwise so that
+/// the terms do not wait for each other.
 #[inline(always)]
 pub fn sincos(angle_rad: f64) -> (f64, f64) {
     let z = angle_rad * angle_rad;

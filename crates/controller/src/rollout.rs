@@ -1,8 +1,8 @@
-//! The rollout of a generation: its pigeons fly the law (Eq. 4-8) and collect the costs (Eq. 11 and Eq. 12), one array for each
-//! quantity, one plain loop for each part of the law.
+//! The rollout of a generation: its pigeons fly the law (Eq. 4-8) and collect the costs (Eq. 11 and Eq. 12), one array
+//! for each quantity, one plain loop for each part of the law.
 //!
-//! Every loop runs over the pigeons and does the same to each without a branch or a call, so the compiler vectorises it.
-//! `terms/mod.rs` says the same for one vehicle as one reads it; the tests of `look_ahead/mod.rs` hold the two together.
+//! Every loop runs over the pigeons and does the same to each without a branch or a call, so the compiler vectorises
+//! it. `terms/mod.rs` has the same law for one vehicle, as in the paper; `look_ahead/tests.rs` compares the two.
 
 // One index runs over a dozen columns at once.
 #![allow(clippy::needless_range_loop)]
@@ -24,10 +24,11 @@ const VECTOR: usize = 8;
 /// One number for each pigeon of a batch.
 pub type Each = [f64; BATCH];
 
-/// What is near the box of all pigeons may be near one of them; what is not is passed over for all at once.
+/// The bounding box of all pigeons. Something far from the box is far from every pigeon, and is skipped for all of them
+/// at once.
 ///
-/// Its sums are written out: a vector's operators would be calls that are not compiled for the vector instructions of the
-/// batch.
+/// Its sums are written out: a vector's operators would be calls that are not compiled for the vector instructions of
+/// the batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     low: Vector2<f64>,
@@ -176,7 +177,7 @@ impl Rollout {
         extent(&self.middle_x, &self.middle_y, self.count)
     }
 
-    /// Forgets the terms of the last step.
+    /// Sets the sums of the last step to zero.
     #[inline(always)]
     pub fn clear_terms(&mut self) {
         let count = self.count.min(BATCH);
@@ -232,7 +233,7 @@ impl Rollout {
         }
     }
 
-    /// Lets one obstacle steer the pigeons that detect it and whose way it blocks, where it is the nearest that does.
+    /// Lets an obstacle steer each pigeon that detects it and whose way it blocks, if no nearer obstacle does.
     #[inline(always)]
     pub fn offer_obstacle(&mut self, law: &LawSettings, expected: &Expected, obstacle: &Obstacle) {
         let ahead = expected.direction();
@@ -360,8 +361,8 @@ impl Rollout {
         }
     }
 
-    /// Adds the metres by which the vehicles fell short of `wanted_m` from something in the first half of the last step,
-    /// which went from one place to another meanwhile.
+    /// Adds the metres by which the vehicles fell short of `wanted_m` from something in the first half of the last
+    /// step, which went from one place to another meanwhile.
     #[inline(always)]
     pub fn keep_off_first_half(&mut self, from_m: Vector2<f64>, to_m: Vector2<f64>, wanted_m: f64) {
         let (start, end) = ((&self.start_x, &self.start_y), (&self.middle_x, &self.middle_y));

@@ -1,15 +1,16 @@
-//! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as default.
+//! Every constant of the flocking law and its look-ahead, as a setting with the paper's value or our reading as
+//! default.
 
 use flight_model::{RangeError, Ranges};
 use serde::{Deserialize, Serialize};
 
-/// All that the controller can be asked to do differently.
+/// All settings of the controller.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ControllerSettings {
     /// The six control terms.
     pub law: LawSettings,
-    /// The weights that the optimiser picks.
+    /// The range of the weights that the optimiser chooses.
     pub weights: WeightSettings,
     /// The predicted flight on which a choice of weights is judged.
     pub look_ahead: LookAheadSettings,
@@ -33,7 +34,7 @@ pub struct LawSettings {
     pub altitude_gain: f64,
     /// D_c: neighbours within this horizontal distance act (Eq. 5, 8, 12).
     pub communication_distance_m: f64,
-    /// D_d: the horizontal distance that the formation wants (Eq. 5, 12).
+    /// D_d: the desired horizontal distance between neighbours (Eq. 5, 12).
     pub desired_distance_m: f64,
     /// D_s: below this horizontal distance the collision term acts (Eq. 6), and separation counts as lost.
     pub safe_distance_m: f64,
@@ -41,13 +42,14 @@ pub struct LawSettings {
     pub perception_distance_m: f64,
     /// Which perceived obstacle steers (reading 8).
     pub obstacle_rule: ObstacleRule,
-    /// The steering obstacle's radius is inflated by this much (reading 8: 3 m; half of that flies smoother and closer, and the
-    /// clearance constraint of the look-ahead is what keeps vehicles off).
+    /// The steering obstacle's radius is inflated by this much (reading 8: 3 m; half of that flies smoother and closer,
+    /// and the clearance constraint of the look-ahead is what keeps vehicles off).
     pub obstacle_margin_m: f64,
     /// l of Eq. 12.
     pub influence_factor: f64,
-    /// How many metres of progress a deviation of 1 m/s from the expected velocity is worth in Eq. 11 while obstacles are in sight.
-    /// The paper counts progress alone, 0; then whoever is fast and far aside is as good as who holds the course.
+    /// The weight in Eq. 11 of a deviation of 1 m/s from the expected velocity, in metres of progress, while obstacles
+    /// are in sight. The paper counts only progress, which is 0 here; then a vehicle that is fast and far to the side
+    /// costs no more than one that holds the course.
     pub velocity_cost_s: f64,
     /// How altitude is commanded (reading 5).
     pub altitude_law: AltitudeLaw,
@@ -71,7 +73,7 @@ pub enum AltitudeLaw {
     Auto,
     /// Eq. 2, 9 and 10 as printed.
     Printed,
-    /// h_e is handed to the altitude-hold loop, which settles at any period.
+    /// h_e is the setpoint of the altitude-hold loop, which settles at any control period.
     Hold,
 }
 
@@ -81,8 +83,8 @@ pub enum AltitudeLaw {
 pub struct WeightSettings {
     /// One alpha for all three terms, or one for each.
     pub kind: WeightKind,
-    /// Least alpha. Above zero the law never lets go altogether: with an alpha_o of zero a vehicle past its obstacle drifts
-    /// on where it happens to point (docs/reading.md has the figures).
+    /// Least alpha. Above zero every term always acts: with an alpha_o of zero a vehicle that has passed its obstacle
+    /// keeps its course of that moment (figures in docs/reading.md).
     pub min: f64,
     /// Greatest alpha.
     pub max: f64,
@@ -98,14 +100,14 @@ pub enum WeightKind {
     PerTerm,
 }
 
-/// How the neighbours are thought to fly while a vehicle looks ahead.
+/// The forecast of the neighbours during a look-ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ForecastKind {
     /// Straight on (reading 11: neighbours are extrapolated).
     Straight,
-    /// By the flocking law, each with the weights it was given last: the ground controller knows them, and a flock that
-    /// foresees its own evasions keeps apart where extrapolation does not.
+    /// By the flocking law, each with its last weights, which the ground controller knows. The flock then foresees its
+    /// own evasions, and keeps separation where extrapolation does not.
     Law,
 }
 
@@ -115,14 +117,14 @@ pub enum ForecastKind {
 pub struct LookAheadSettings {
     /// Constraints are judged over this much predicted flight, s; never less than one control period.
     pub horizon_s: f64,
-    /// How the neighbours are thought to fly meanwhile.
+    /// The forecast of the neighbours during that time.
     pub forecast: ForecastKind,
     /// Least distance to any neighbour that satisfies the separation constraint, m.
     pub separation_m: f64,
     /// Least distance to any obstacle's edge that satisfies the clearance constraint, m.
     pub clearance_m: f64,
-    /// Whether all commands are looked at together before they go out, and those that lead too near to something changed
-    /// for others that the law would not give (beyond the paper; docs/reading.md has the figures).
+    /// Whether all commands are checked together before they are sent, and commands that lead too near to something are
+    /// replaced by evasive ones (beyond the paper; figures in docs/reading.md).
     pub evasion: bool,
     /// At most this many neighbours, the nearest, enter a prediction.
     pub neighbours_max: usize,
@@ -229,7 +231,7 @@ impl LookAheadSettings {
 }
 
 impl ControllerSettings {
-    /// The paper with the readings that make it work as described: one alpha shared by the terms.
+    /// The paper with the readings that make it work as described: one alpha for all terms.
     pub fn paper() -> Self {
         let mut settings = Self::default();
         settings.law.obstacle_margin_m = 3.0;

@@ -26,8 +26,8 @@ fn twelve_vehicles_get_through_random_fields() {
     (101..=104).for_each(|seed| gets_through(seed, 12));
 }
 
-/// Of the seeds 1 to 1200, with the paper's margin and cost, thirteen lose separation where vehicles foresee each other flying straight on and commands go
-/// out unseen, and in these three vehicles collide.
+/// Of the seeds 1 to 1200, with the paper's margin and cost, thirteen lose separation where vehicles foresee each other
+/// flying straight on and commands go out unseen, and in these three vehicles collide.
 #[test]
 fn commands_looked_at_together_keep_what_each_alone_loses() {
     for seed in [842, 893, 960] {

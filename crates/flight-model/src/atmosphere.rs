@@ -1,7 +1,8 @@
 //! Temperature, pressure, density and Mach number in the International Standard Atmosphere (ISO 2533:1975).
 //!
-//! Altitudes are geopotential, which at the heights of small UAVs is the altitude above mean sea level. The paper's first autopilot holds a Mach number but its commands are in m/s (reading 3): Columba commands m/s, and
-//! these functions convert for those who think in Mach.
+//! Altitudes are geopotential, which at the heights of small UAVs is the altitude above mean sea level. The paper's
+//! first autopilot holds a Mach number but its commands are in m/s (reading 3): Columba commands m/s, and these
+//! functions convert to Mach.
 
 /// Sea-level temperature, K.
 const T0_K: f64 = 288.15;

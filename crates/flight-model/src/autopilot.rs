@@ -4,10 +4,10 @@ use crate::{Dynamics, Limits, Setpoint, State, course_vector, wrap_pi};
 
 /// The three loops discretised at a fixed step.
 ///
-/// Each loop is linear between limits and a setpoint is held over the step, so speed, course, climb and altitude are the
-/// exact solution of Eq. 1 there; the position integrates the exact velocity with Simpson's rule (its error over a step
-/// of h is of order h^5: below 1e-10 m at 10 ms). Where a limit acts the step is first order in the moment at which it
-/// begins to act.
+/// Each loop is linear between limits and a setpoint is held over the step, so speed, course, climb and altitude are
+/// the exact solution of Eq. 1 there; the position integrates the exact velocity with Simpson's rule (its error over a
+/// step of h is of order h^5: below 1e-10 m at 10 ms). Where a limit acts the step is first order in the moment at
+/// which it begins to act.
 #[derive(Clone, Copy, Debug)]
 pub struct Autopilot {
     limits: Limits,
@@ -61,8 +61,8 @@ impl Autopilot {
         }
     }
 
-    /// Speed at mid-step and at its end: first order towards the setpoint, clamped to [V_min, V_max]. Only a gust carries it
-    /// out of these limits, and then no step makes up for it at once.
+    /// Speed at mid-step and at its end: first order towards the setpoint, clamped to [V_min, V_max]. Only a gust
+    /// carries it out of these limits, and then no step makes up for it at once.
     fn speeds(&self, state: &State, setpoint: &Setpoint) -> [f64; 2] {
         let least_mps = self.limits.speed_min_mps.min(state.speed_mps);
         let most_mps = self.limits.speed_max_mps.max(state.speed_mps);
@@ -197,9 +197,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn one_step_is_two_half_steps(speed in 5.0..15.0f64, error in -1.0..1.0f64, dv in -3.0..3.0f64, dh in -1.0..1.0f64) {
+        fn one_step_is_two_half_steps(
+            speed in 5.0..15.0f64, error in -1.0..1.0f64, dv in -3.0..3.0f64, dh in -1.0..1.0f64,
+        ) {
             let start = State { speed_mps: speed, ..cruise() };
-            let setpoint = Setpoint { speed_mps: (speed + dv).clamp(5.0, 15.0), course_rad: error, altitude_m: 50.0 + dh };
+            let speed_mps = (speed + dv).clamp(5.0, 15.0);
+            let setpoint = Setpoint { speed_mps, course_rad: error, altitude_m: 50.0 + dh };
             let whole = fly(start, setpoint, 0.2, 0.2);
             let halves = fly(start, setpoint, 0.1, 0.2);
             prop_assert!((whole.speed_mps - halves.speed_mps).abs() < 1e-12);
@@ -209,7 +212,9 @@ mod tests {
         }
 
         #[test]
-        fn limits_hold_whatever_is_asked(speed in -50.0..50.0f64, course in -10.0..10.0f64, altitude in -500.0..500.0f64) {
+        fn limits_hold_whatever_is_asked(
+            speed in -50.0..50.0f64, course in -10.0..10.0f64, altitude in -500.0..500.0f64,
+        ) {
             let autopilot = Autopilot::new(&Dynamics::default(), 0.01);
             let setpoint = Setpoint { speed_mps: speed, course_rad: course, altitude_m: altitude };
             let mut state = cruise();

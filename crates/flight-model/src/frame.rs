@@ -14,8 +14,8 @@ pub struct Geodetic {
 /// A local frame whose X points north and Y east from an origin, altitude counted from the origin upwards.
 ///
 /// North and east are lengths along the ellipsoid, scaled by its radii of curvature at the mean latitude of the origin
-/// and the point, as autopilots do for the short ranges of a flight: within 10 km the distance between two points agrees
-/// with the geodesic to a few parts in a million. It does not work at the poles.
+/// and the point, as autopilots do for the short ranges of a flight: within 10 km the distance between two points
+/// agrees with the geodesic to a few parts in a million. It does not work at the poles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalFrame {
     origin: Geodetic,
@@ -40,7 +40,8 @@ impl LocalFrame {
     /// From north, east and up of the origin, m, to WGS-84.
     pub fn to_geodetic(&self, x_m: f64, y_m: f64, altitude_m: f64) -> Geodetic {
         let latitude_0 = self.origin.latitude_deg.to_radians();
-        // The radius wants the mean latitude, which the northing gives: twice round is exact to 1e-12 rad.
+        // The radius depends on the mean latitude, which depends on the northing: two iterations are exact to 1e-12
+        // rad.
         let mut latitude = latitude_0;
         for _ in 0..3 {
             let (meridian_m, _) = radii_m(0.5 * (latitude_0 + latitude));

@@ -1,8 +1,8 @@
 //! Dryden gusts at low altitude (MIL-F-8785C, 3.7.2 and 3.7.3.4), as filters that turn white noise into wind.
 //!
 //! The forming filters are discretised exactly for a step over which airspeed and height stay, so that the variance is
-//! that of the specification at any step. The components along and across the mean wind are equal in strength and length,
-//! as the specification has them below 1000 ft; above it the filters stay as they are there.
+//! that of the specification at any step. The components along and across the mean wind are equal in strength and
+//! length, as the specification has them below 1000 ft; above it the filters stay as they are there.
 
 use crate::Wind;
 
@@ -30,8 +30,8 @@ impl Gusts {
     /// How many normal numbers a step needs.
     pub const NORMALS: usize = 5;
 
-    /// Goes on by `step_s` at an airspeed in m/s and a height above ground in m, with independent numbers of the standard
-    /// normal distribution.
+    /// Goes on by `step_s` at an airspeed in m/s and a height above ground in m, with independent numbers of the
+    /// standard normal distribution.
     pub fn step(&mut self, airspeed_mps: f64, height_m: f64, step_s: f64, normals: [f64; Self::NORMALS]) {
         let [n0, n1, n2, n3, n4] = normals;
         let scale = Scale::at(height_m);
@@ -43,8 +43,8 @@ impl Gusts {
         self.up.step(travelled_m / scale.vertical_m, [n3, n4]);
     }
 
-    /// The gust of this moment. `intensity_mps` is the standard deviation of each horizontal component; the vertical one is
-    /// weaker near the ground. The mean wind comes from `wind_from_rad`.
+    /// The gust of this moment. `intensity_mps` is the standard deviation of each horizontal component; the vertical
+    /// one is weaker near the ground. The mean wind comes from `wind_from_rad`.
     pub fn velocity(&self, intensity_mps: f64, height_m: f64, wind_from_rad: f64) -> Wind {
         let (sin, cos) = libm::sincos(wind_from_rad);
         let (along, across) = (intensity_mps * self.along, intensity_mps * self.across.output());
@@ -57,8 +57,8 @@ impl Gusts {
 }
 
 impl SecondOrder {
-    /// Goes on by `passed` time constants. Both states have unit variance and are correlated; the noise of a step is the
-    /// integral of the filter's answer to white noise, whose covariance is known in closed form.
+    /// Goes on by `passed` time constants. Both states have unit variance and are correlated; the noise of a step is
+    /// the integral of the filter's answer to white noise, whose covariance is known in closed form.
     fn step(&mut self, passed: f64, [n0, n1]: [f64; 2]) {
         let x = 2.0 * passed;
         let decay = libm::exp(-x);
@@ -67,7 +67,7 @@ impl SecondOrder {
         let variance_slow = variance_fast - (x + 0.5 * x * x) * decay;
         let deviation = variance_fast.sqrt();
         let shared = if deviation > 0.0 { covariance / deviation } else { 0.0 };
-        // Rounding must not make a root of what is left of a small variance impossible.
+        // Rounding can make the rest of a small variance negative.
         let rest = (variance_slow - shared * shared).max(0.0).sqrt();
         let (fast, slow) = (self.fast, self.slow);
         let decay = libm::exp(-passed);

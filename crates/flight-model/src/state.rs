@@ -1,4 +1,4 @@
-//! What a vehicle does and what it is asked to do.
+//! The state of a vehicle and its setpoint.
 
 use nalgebra::Vector2;
 
@@ -19,7 +19,7 @@ pub struct State {
     pub climb_mps: f64,
 }
 
-/// The inputs of the three autopilots (V_c, phi_c, H_c of Eq. 1).
+/// The setpoints of the three autopilots (V_c, phi_c, H_c of Eq. 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setpoint {
     /// Horizontal speed, m/s.
@@ -37,11 +37,13 @@ impl State {
     }
 
     /// Horizontal position (north, east) of the origin, m.
+    #[inline]
     pub fn position_m(&self) -> Vector2<f64> {
         Vector2::new(self.x_m, self.y_m)
     }
 
     /// Horizontal velocity (north, east), m/s.
+    #[inline]
     pub fn velocity_mps(&self) -> Vector2<f64> {
         course_vector(self.course_rad) * self.speed_mps
     }
@@ -55,6 +57,7 @@ impl State {
 }
 
 /// The unit vector (north, east) along a course in rad from north towards east.
+#[inline]
 pub fn course_vector(course_rad: f64) -> Vector2<f64> {
     let (sin, cos) = libm::sincos(course_rad);
     Vector2::new(cos, sin)

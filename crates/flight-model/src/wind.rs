@@ -1,4 +1,4 @@
-//! Air that moves: steady wind, the wind triangle, and a step of the autopilots in it.
+//! Wind: a steady wind, the wind triangle, and a step of the autopilots in moving air.
 
 use crate::{Autopilot, Setpoint, State, course_vector};
 use nalgebra::Vector2;
@@ -18,7 +18,7 @@ impl Wind {
     /// Still air.
     pub const CALM: Self = Self { north_mps: 0.0, east_mps: 0.0, up_mps: 0.0 };
 
-    /// A level wind of a speed in m/s, from a direction in rad (from north towards east), as weather reports say it.
+    /// A level wind of a speed in m/s, from a direction in rad (from north towards east), as in weather reports.
     pub fn from_direction(speed_mps: f64, from_rad: f64) -> Self {
         let from = course_vector(from_rad) * -speed_mps;
         Self { north_mps: from.x, east_mps: from.y, up_mps: 0.0 }
@@ -30,11 +30,12 @@ impl Wind {
     }
 
     /// Its horizontal part (north, east), m/s.
+    #[inline]
     pub fn horizontal_mps(&self) -> Vector2<f64> {
         Vector2::new(self.north_mps, self.east_mps)
     }
 
-    /// Where it comes from, rad in [-pi, pi] from north towards east; 0 for still air.
+    /// The direction that it comes from, rad in [-pi, pi] from north towards east; 0 for still air.
     pub fn direction_rad(&self) -> f64 {
         // Adding zero turns -0 into 0, whose direction is north.
         libm::atan2(0.0 - self.east_mps + 0.0, 0.0 - self.north_mps + 0.0)
@@ -45,8 +46,9 @@ impl Wind {
         *self == Self::CALM
     }
 
-    /// The heading that keeps a course over ground at an airspeed in m/s (the wind triangle). Where the wind across the
-    /// course is stronger than the airspeed no heading does: this is then the one that drifts least.
+    /// The heading that keeps a course over ground at an airspeed in m/s (the wind triangle). If the wind across the
+    /// course is stronger than the airspeed, no heading keeps the course: the result is then the heading that drifts
+    /// least.
     pub fn heading_rad(&self, course_rad: f64, airspeed_mps: f64) -> f64 {
         let from_left_mps = course_vector(course_rad).perp(&self.horizontal_mps());
         if from_left_mps == 0.0 {
@@ -55,7 +57,7 @@ impl Wind {
         course_rad - libm::asin((from_left_mps / airspeed_mps.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0))
     }
 
-    /// Whether some heading at an airspeed in m/s makes way over ground along a course.
+    /// Whether a heading exists that flies along a course over ground at an airspeed in m/s.
     pub fn lets_fly(&self, course_rad: f64, airspeed_mps: f64) -> bool {
         let course = course_vector(course_rad);
         let across_mps = course.perp(&self.horizontal_mps());
@@ -72,7 +74,7 @@ impl Wind {
 }
 
 impl State {
-    /// The same as the air sees it: airspeed and heading in the place of speed and course over ground. Without an
+    /// The same state relative to the air: airspeed and heading instead of speed and course over ground. At zero
     /// airspeed the heading is the course.
     pub fn in_air(&self, wind: &Wind) -> State {
         if wind.north_mps == 0.0 && wind.east_mps == 0.0 {
@@ -81,7 +83,7 @@ impl State {
         self.with_velocity(self.velocity_mps() - wind.horizontal_mps())
     }
 
-    /// What [`in_air`](Self::in_air) of the same wind makes this: speed and course over ground from airspeed and heading.
+    /// The inverse of [`in_air`](Self::in_air): speed and course over ground from airspeed and heading.
     pub fn over_ground(&self, wind: &Wind) -> State {
         self.in_air(&Wind { north_mps: -wind.north_mps, east_mps: -wind.east_mps, up_mps: -wind.up_mps })
     }
@@ -95,9 +97,9 @@ impl State {
 }
 
 impl Autopilot {
-    /// The state one step later in air that moves with `wind` over the step. The setpoint's speed is an airspeed and its
-    /// course a heading: the loops and limits of Eq. 1 and 3 act in the air, which carries the vehicle along. When the wind
-    /// changes from one step to the next the speed over ground does not: the airspeed does.
+    /// The state one step later in air that moves with `wind` over the step. The setpoint's speed is an airspeed and
+    /// its course a heading: the loops and limits of Eq. 1 and 3 act in the air, which carries the vehicle along. When
+    /// the wind changes from one step to the next the speed over ground does not: the airspeed does.
     ///
     /// In still air this is [`step`](Self::step), to the last bit. The wind's vertical part is not felt here.
     pub fn step_in_wind(&self, state: &State, setpoint: &Setpoint, wind: &Wind) -> State {

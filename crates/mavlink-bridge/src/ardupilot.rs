@@ -1,6 +1,6 @@
-//! Messages of ArduPilot's own dialect (<https://mavlink.io/en/messages/ardupilotmega.html>) that its clients wait for and
-//! the common dialect does not have. They are written from their fields, in the order of the wire; read they are only as
-//! frames.
+//! Messages of ArduPilot's own dialect (<https://mavlink.io/en/messages/ardupilotmega.html>) that its clients wait for
+//! and the common dialect does not have. They are written from their fields, in the order of the wire, and are read
+//! only as frames.
 
 use crate::{Encoder, telemetry::down};
 use flight_model::Wind;
@@ -20,15 +20,15 @@ pub struct ArduPilotMessage {
     payload: [u8; PAYLOAD_MAX],
 }
 
-/// WIND (<https://mavlink.io/en/messages/ardupilotmega.html#WIND>): where the wind comes from, in degrees from -180 to 180 as
-/// ArduPlane gives it, and its speeds in m/s.
+/// WIND (<https://mavlink.io/en/messages/ardupilotmega.html#WIND>): where the wind comes from, in degrees from -180 to
+/// 180 as ArduPlane gives it, and its speeds in m/s.
 pub fn wind(wind: &Wind) -> ArduPilotMessage {
     let fields = [wind.direction_rad().to_degrees() as f32, wind.speed_mps() as f32, down(wind.up_mps)];
     ArduPilotMessage::new(WIND, 12, fields.into_iter().flat_map(f32::to_le_bytes))
 }
 
-/// EKF_STATUS_REPORT (<https://mavlink.io/en/messages/ardupilotmega.html#EKF_STATUS_REPORT>): the EKF_STATUS_FLAGS of what the
-/// estimator knows, and no variances: it makes no errors.
+/// EKF_STATUS_REPORT (<https://mavlink.io/en/messages/ardupilotmega.html#EKF_STATUS_REPORT>): the EKF_STATUS_FLAGS of
+/// what the estimator knows, and no variances: it makes no errors.
 pub fn ekf_status_report(flags: u16) -> ArduPilotMessage {
     ArduPilotMessage::new(EKF_STATUS_REPORT, 22, [0; 20].into_iter().chain(flags.to_le_bytes()))
 }
@@ -58,7 +58,8 @@ mod tests {
     use super::*;
     use crate::Version;
 
-    // Made by pymavlink 2.4.50: MAVLink(None, srcSystem=1, srcComponent=1), wind_encode(-90, 6, 0), and the same in MAVLink 1.
+    // Made by pymavlink 2.4.50: MAVLink(None, srcSystem=1, srcComponent=1), wind_encode(-90, 6, 0), and the same in
+    // MAVLink 1.
     #[test]
     fn wind_has_the_bytes_that_others_write() {
         let mut out = Vec::new();

@@ -1,7 +1,7 @@
 //! The command protocol on the wire (<https://mavlink.io/en/services/command.html>): COMMAND_INT and COMMAND_LONG.
 //!
-//! A command is read from the frame itself: a number that is not in the dialect gives no message, yet its sender waits for
-//! an acknowledgement.
+//! A command is read from the frame itself: a number that is not in the dialect gives no message, yet its sender waits
+//! for an acknowledgement.
 
 use crate::coordinates::{LatLonE7, mav_frame};
 use crate::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame};
@@ -131,7 +131,8 @@ mod tests {
     proptest! {
         #[test]
         fn a_command_survives_the_wire(
-            system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(), p1 in any::<f32>(), x in any::<i32>(), z in any::<f32>(),
+            system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(),
+            p1 in any::<f32>(), x in any::<i32>(), z in any::<f32>(),
         ) {
             // All zeros behind the command: MAVLink 2 leaves them out.
             let int = Message::COMMAND_INT(COMMAND_INT_DATA {
@@ -158,7 +159,9 @@ mod tests {
         }
 
         #[test]
-        fn a_raw_answer_is_what_the_dialect_would_write(system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>()) {
+        fn an_answer_by_number_is_what_the_dialect_would_write(
+            system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(),
+        ) {
             use crate::dialect::COMMAND_ACK_DATA;
             let version = if v1 { Version::V1 } else { Version::V2 };
             let target = Target { system_id: system, component_id: component };

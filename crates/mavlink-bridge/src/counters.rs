@@ -1,4 +1,4 @@
-//! What a link has seen, counted.
+//! Counters of a link.
 
 use crate::Frame;
 use serde::Serialize;
@@ -39,10 +39,10 @@ counters! {
     invalid_value,
     /// Bytes that belong to no frame, right or wrong: garbage, or the pieces of truncated frames.
     malformed_bytes,
-    /// Frames that never came, by the gaps in the sequence numbers of each sender.
+    /// Frames that were lost, by the gaps in the sequence numbers of each sender.
     lost,
-    /// Frames that came again, byte for byte: a vehicle in lockstep sends its last telemetry until it is answered, and a
-    /// network may deliver a datagram twice.
+    /// Frames that came again, byte for byte: a vehicle in lockstep sends its last telemetry until it is answered, and
+    /// a network may deliver a datagram twice.
     repeated,
     /// Frames that came late, by their sequence numbers.
     out_of_order,

@@ -5,13 +5,13 @@ use crate::{Counters, Frame, FrameError, Message};
 
 /// The frames of a datagram whose message ids we know and whose checksums are right; everything else is counted.
 ///
-/// The datagram is searched from one start byte to the next. Where a frame stands whole, with the right checksum, it is
-/// yielded and the search goes on behind it. Signatures are accepted and not verified.
+/// The datagram is searched from one start byte to the next. A whole frame with the right checksum is yielded, and the
+/// search continues behind it. Signatures are accepted and not verified.
 ///
-/// A frame with a wrong checksum may be two pieces of others: it is counted once, and what it covers is searched.
-/// A frame with an unknown id, or with flags that we do not understand, has a length that nothing verifies: it is counted
-/// and passed over as a whole if it ends with the datagram or where another start byte stands, and runs into no frame
-/// that is right. Otherwise its start byte was garbage.
+/// A frame with a wrong checksum may be two pieces of others: it is counted once, and what it covers is searched. The
+/// length of a frame with an unknown id, or with flags that we do not understand, cannot be verified: such a frame is
+/// counted and skipped as a whole if it ends at the end of the datagram or before another start byte, and does not
+/// overlap a valid frame. Otherwise its start byte was garbage.
 pub fn frames<'a, 'c>(datagram: &'a [u8], counters: &'c mut Counters) -> Frames<'a, 'c> {
     counters.datagrams = counters.datagrams.saturating_add(1);
     counters.bytes = counters.bytes.saturating_add(datagram.len() as u64);
@@ -19,7 +19,7 @@ pub fn frames<'a, 'c>(datagram: &'a [u8], counters: &'c mut Counters) -> Frames<
 }
 
 /// The frames of a datagram with their messages. Frames whose message cannot be read are yielded with the reason, and
-/// counted as `invalid_value`, but for those of ArduPilot's own dialect, which are right and not for us.
+/// counted as `invalid_value`, except those of other dialects, which are valid and not for us.
 pub fn messages<'a>(
     datagram: &'a [u8],
     counters: &mut Counters,
@@ -98,8 +98,8 @@ impl Frames<'_, '_> {
     }
 }
 
-/// Whether the first `length` of `bytes` may be a frame of their own. What lies wholly in its payload is its own affair;
-/// but a frame that is right and reaches past it shows that the two are one behind the other.
+/// Whether the first `length` of `bytes` may be a frame. A valid frame inside its payload does not matter; a valid
+/// frame that reaches past its end shows that the length is wrong.
 fn stands_alone(bytes: &[u8], length: usize) -> bool {
     let ends_well = bytes.get(length).is_none_or(|&byte| is_start_byte(byte));
     let runs_into_a_frame = |start: usize| {

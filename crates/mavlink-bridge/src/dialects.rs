@@ -1,8 +1,8 @@
-//! CRC_EXTRA of messages that other dialects have and `common` does not, so that their frames can be verified, logged and
-//! counted, though nothing here reads them.
+//! CRC_EXTRA of messages that other dialects have and `common` does not, so that their frames can be verified, logged
+//! and counted, though nothing here reads them.
 //!
-//! Source: the dialect `all` of <https://mavlink.io/en/messages/all.html> as pymavlink 2.4.50 has it. Where two dialects give an
-//! id to different messages, the one of `all` stands here.
+//! Source: the dialect `all` of <https://mavlink.io/en/messages/all.html> as pymavlink 2.4.50 has it. Where two
+//! dialects give an id to different messages, the one of `all` stands here.
 
 /// CRC_EXTRA of a message id of another dialect.
 pub(crate) fn checksum_extra(message_id: u32) -> Option<u8> {

@@ -6,14 +6,28 @@ use crate::{Target, Version};
 use mavlink::{MavlinkVersion, MessageData};
 
 /// Writes the frames of one sender, and counts their sequence number.
+///
+/// ```
+/// use mavlink_bridge::telemetry::ground_heartbeat;
+/// use mavlink_bridge::{Counters, Encoder, Version, frames};
+///
+/// // A ground station that speaks MAVLink 1. Several frames fit into one datagram.
+/// let mut encoder = Encoder::new(255, 190).with_version(Version::V1);
+/// let mut datagram = Vec::new();
+/// encoder.encode(&ground_heartbeat(), &mut datagram);
+/// encoder.encode(&ground_heartbeat(), &mut datagram);
+///
+/// let sequence: Vec<u8> = frames(&datagram, &mut Counters::default()).map(|frame| frame.header.sequence).collect();
+/// assert_eq!(sequence, [0, 1]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Encoder {
     /// System id of the sender.
     pub system_id: u8,
     /// Component id of the sender.
     pub component_id: u8,
-    /// Version to write. A message that MAVLink 1 cannot carry, having an id above 255, is written as MAVLink 2 all the
-    /// same: a peer that knows only MAVLink 1 passes over it.
+    /// Version to write. A message with an id above 255, which MAVLink 1 cannot carry, is written as MAVLink 2 in any
+    /// case: a peer that knows only MAVLink 1 skips it.
     pub version: Version,
     sequence: u8,
 }

@@ -1,4 +1,4 @@
-//! The vehicles as the ground sees them: telemetry gathered into one state for each. Sans-I/O.
+//! The fleet as a ground station knows it: the telemetry of each vehicle, gathered into one state. Sans-I/O.
 
 use crate::dialect::{COMMAND_ACK_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavModeFlag, MavType, Message};
 use crate::telemetry::state_from_local_position;
@@ -13,19 +13,19 @@ use std::time::Duration;
 pub struct Identity {
     /// Its MAVLink system id.
     pub system_id: u8,
-    /// Where it listens, if that is known beforehand; else the first address that speaks with its system id is taken.
-    /// Vehicles of several networks share system ids and differ by address.
+    /// Its address, if that is known beforehand; else the first address that sends with its system id.
+    /// Vehicles of several networks may share a system id, and differ by address.
     pub address: Option<SocketAddr>,
 }
 
-/// What the ground knows of one vehicle.
+/// What a ground station knows of one vehicle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemoteVehicle {
     /// How it is recognised.
     pub identity: Identity,
-    /// Where it is spoken to, once it is known.
+    /// Where to send messages for it, once that is known.
     pub address: Option<SocketAddr>,
-    /// Its autopilot's component, once heard.
+    /// Its autopilot's system and component id.
     pub target: Target,
     /// Last LOCAL_POSITION_NED: the vehicle's time since boot and its state.
     pub position: Option<Position>,
@@ -50,18 +50,40 @@ pub struct Position {
     pub state: State,
 }
 
-/// What a frame brought.
+/// What a message of the fleet changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FleetEvent {
     /// A position of the vehicle of this index that is not older than the last one.
     Position(usize),
     /// Anything else from the vehicle of this index.
     Other(usize),
-    /// Nothing: from a stranger, or not a vehicle.
+    /// Nothing: the sender is not of the fleet.
     None,
 }
 
 /// All vehicles, in the order of the scenario.
+///
+/// ```
+/// use flight_model::State;
+/// use mavlink_bridge::{Counters, Encoder, Fleet, FleetEvent, Identity, local_position_ned, messages};
+/// use std::time::Duration;
+///
+/// // One vehicle with system id 1, at whatever address it speaks from.
+/// let mut fleet = Fleet::new([Identity { system_id: 1, address: None }]);
+///
+/// let state = State { x_m: 12.0, speed_mps: 9.0, ..State::default() };
+/// let mut datagram = Vec::new();
+/// Encoder::new(1, 1).encode(&local_position_ned(Duration::from_millis(500), &state), &mut datagram);
+/// let from = "127.0.0.1:14600".parse().unwrap();
+///
+/// for (frame, message) in messages(&datagram, &mut Counters::default()) {
+///     let event = fleet.hear(&frame.header, &message.unwrap(), from, Duration::from_secs(3));
+///     assert_eq!(event, FleetEvent::Position(0));
+/// }
+/// let vehicle = &fleet.vehicles()[0];
+/// assert_eq!(vehicle.address, Some(from));
+/// assert_eq!(vehicle.position.map(|position| position.state), Some(state));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Fleet {
     vehicles: Vec<RemoteVehicle>,
@@ -98,8 +120,8 @@ impl Fleet {
         &self.vehicles
     }
 
-    /// Takes a message that came from an address at host time `now`. Positions that are not finite, or older than the last
-    /// one, are not taken.
+    /// Takes a message that came from an address at host time `now`. Positions that are not finite, or older than the
+    /// last one, are not taken.
     pub fn hear(&mut self, header: &Header, message: &Message, from: SocketAddr, now: Duration) -> FleetEvent {
         let Some(index) = self.recognise(header.system_id, message, from) else { return FleetEvent::None };
         let vehicle = &mut self.vehicles[index];

@@ -31,6 +31,21 @@ pub struct Header {
 }
 
 /// One frame, where it lies in its datagram.
+///
+/// ```
+/// use mavlink_bridge::telemetry::ground_heartbeat;
+/// use mavlink_bridge::{Encoder, Frame, FrameError};
+///
+/// let mut bytes = Vec::new();
+/// Encoder::new(255, 190).encode(&ground_heartbeat(), &mut bytes);
+/// let frame = Frame::parse(&bytes)?;
+/// assert_eq!((frame.header.system_id, frame.header.component_id), (255, 190));
+/// assert_eq!(frame.message()?, ground_heartbeat());
+///
+/// bytes[12] ^= 1;
+/// assert_eq!(Frame::parse(&bytes), Err(FrameError::BadChecksum));
+/// # Ok::<(), FrameError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
     /// Its header.
@@ -65,7 +80,11 @@ pub enum FrameError {
 }
 
 impl<'a> Frame<'a> {
-    /// The frame at the start of `bytes`, whatever follows it; its checksum is verified.
+    /// The frame at the start of `bytes`; bytes behind it are ignored.
+    ///
+    /// # Errors
+    /// The bytes are not a whole frame, its message id is unknown, its checksum is wrong, or it has incompatibility
+    /// flags that are not understood.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, FrameError> {
         let candidate = Candidate::at_start_of(bytes).ok_or(FrameError::Malformed)?;
         candidate.verify()?;
@@ -83,6 +102,9 @@ impl<'a> Frame<'a> {
     }
 
     /// The message in the frame.
+    ///
+    /// # Errors
+    /// The message id is not in the dialect, or a field holds a value that its enum does not have.
     pub fn message(&self) -> Result<Message, FrameError> {
         let version = match self.header.version {
             Version::V1 => MavlinkVersion::V1,

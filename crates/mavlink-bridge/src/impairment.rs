@@ -106,7 +106,10 @@ pub struct Impairment<A = SocketAddr> {
 }
 
 impl<A: Clone> Impairment<A> {
-    /// A link with `settings`, of the random stream `stream` of `seed`. Settings out of range are errors.
+    /// A link with `settings`, of the random stream `stream` of `seed`.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: ImpairmentSettings, seed: u64, stream: u64) -> Result<Self, ImpairmentError> {
         settings.validate()?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -380,7 +383,8 @@ mod tests {
             prop_assert!(arrivals.is_sorted_by_key(|&(at, _)| at));
         }
 
-        // Were the number of draws to depend on a datagram's fate, a change of one setting would change all the others'.
+        // Were the number of draws to depend on a datagram's fate, a change of one setting would change all the
+        // others'.
         #[test]
         fn the_datagrams_lost_depend_on_the_loss_alone(settings in settings(), seed in any::<u64>()) {
             let survivors = |settings| {

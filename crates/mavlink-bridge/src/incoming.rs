@@ -39,8 +39,8 @@ pub struct Incoming {
 
 /// What a frame asks, by the service that it belongs to.
 ///
-/// Parameters, plans and commands carry their enum values as numbers, which the dialect need not know: an autopilot answers a
-/// request that it cannot meet, so that its sender does not wait for a time-out.
+/// Parameters, plans and commands carry their enum values as numbers, which the dialect need not know: an autopilot
+/// answers a request that it cannot meet, so that its sender does not wait for a time-out.
 // Requests are read one at a time and passed by reference, never stored: no variant needs a box.
 #[expect(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +88,8 @@ impl Incoming {
     }
 }
 
-/// The requests of a datagram, in order. Frames that cannot be decoded are left out; all are counted as by [`messages`].
+/// The requests of a datagram, in order. Frames that cannot be decoded are left out; all are counted as by
+/// [`messages`].
 pub fn incoming<'a>(datagram: &'a [u8], counters: &'a mut Counters) -> impl Iterator<Item = Incoming> + 'a {
     messages(datagram, counters).filter_map(|(frame, message)| Incoming::new(&frame, message).ok())
 }

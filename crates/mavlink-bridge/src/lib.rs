@@ -1,11 +1,11 @@
 //! Everything that is MAVLink on the wire: framing, telemetry, setpoints, UDP links and what impairs them, logs.
 //!
-//! This is the only room of the house that names the MAVLink crate; its messages leave here as [`Message`], its enums
-//! and payload structs as [`dialect`]. All but [`udp`] is sans-I/O: bytes and times are arguments.
+//! This is the only crate of the workspace that names the MAVLink crate; its messages are exported as [`Message`], its
+//! enums and payload structs as [`dialect`]. All modules except the links are sans-I/O: bytes and times are arguments.
 //!
 //! A datagram is read by [`frames`] or [`messages`] and written by [`Encoder`]; [`telemetry`] and [`setpoint`] stand
-//! between messages and the flight model; [`UdpLink`] carries datagrams, [`Impairment`] spoils them, [`TlogWriter`] keeps
-//! them. Other transports belong beside [`udp`], signatures beside [`frame`], routes between links and cores.
+//! between messages and the flight model; [`UdpLink`] carries datagrams, [`Impairment`] spoils them, [`TlogWriter`]
+//! keeps them. Other transports belong beside [`udp`], signatures beside [`frame`], routes between links and cores.
 //!
 //! ```
 //! use mavlink_bridge::{Counters, Encoder, Message, frames, local_position_ned, state_from_local_position};

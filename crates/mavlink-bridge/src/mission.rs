@@ -1,9 +1,9 @@
 //! The mission protocol on the wire (<https://mavlink.io/en/services/mission.html>).
 //!
-//! Messages are read from the frame itself: an item with a command or a frame that the dialect does not know must still
-//! be refused, or its sender would wait for a time-out.
+//! Messages are read from the frame itself: an item with a command or a frame that the dialect does not know must be
+//! answered with a refusal, or its sender waits for a time-out.
 
-// Clients still speak what the dialect calls superseded, and ArduPlane answers.
+// Clients still use messages that the dialect marks as superseded, and ArduPlane answers.
 #![allow(deprecated)]
 
 use crate::coordinates::{AltitudeDatum, LatLonE7};
@@ -24,7 +24,7 @@ pub struct PlanItem {
     pub latitude_e7: i32,
     /// Longitude, 1e-7 degrees.
     pub longitude_e7: i32,
-    /// Altitude, m, above what the frame says.
+    /// Altitude, m, from the datum of the frame.
     pub z_m: f32,
     /// MAV_CMD.
     pub command: u16,
@@ -43,7 +43,7 @@ pub enum ItemKind {
     Float,
 }
 
-/// What somebody says about a plan.
+/// A message of the mission protocol.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanMessage {
     /// MISSION_REQUEST_LIST.
@@ -60,7 +60,7 @@ pub enum PlanMessage {
         seq: u16,
         /// What it says.
         item: PlanItem,
-        /// 1 for the item that is flown at present; 2 to fly there now, 3 to change altitude now, outside any mission.
+        /// 1 for the item that is being flown; 2 to fly there now and 3 to change altitude now, outside any mission.
         current: u8,
         /// Which of the two messages.
         kind: ItemKind,
@@ -95,7 +95,7 @@ impl PlanMessage {
     }
 }
 
-/// An item as it is sent.
+/// An item to send.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanItemMessage<'a> {
     /// MAV_MISSION_TYPE: which plan it is of. Lost in MAVLink 1, which knows only missions.
@@ -112,7 +112,7 @@ pub struct PlanItemMessage<'a> {
     pub to: Target,
 }
 
-/// The message about a plan in a frame, whom it is for, and the MAV_MISSION_TYPE; none if the frame is something else.
+/// The mission protocol message in a frame: its target, its MAV_MISSION_TYPE and the message; none for another frame.
 pub(crate) fn plan_message(frame: &Frame<'_>) -> Option<(Target, u8, PlanMessage)> {
     let two = |start: usize| [frame.payload_byte(start), frame.payload_byte(start + 1)];
     let number = |start: usize| u16::from_le_bytes(two(start));
@@ -141,7 +141,7 @@ fn item(frame: &Frame<'_>, kind: ItemKind) -> PlanMessage {
     let real = |start: usize| f32::from_le_bytes(four(start));
     let place = |start: usize| match kind {
         ItemKind::Int => i32::from_le_bytes(four(start)),
-        // What is no number or too large becomes no place on earth.
+        // A value that is not finite or too large becomes an invalid latitude or longitude.
         ItemKind::Float if real(start).is_finite() => (f64::from(real(start)) * 1e7).round() as i32,
         ItemKind::Float => i32::MAX,
     };
@@ -193,8 +193,9 @@ mod tests {
     proptest! {
         #[test]
         fn items_survive_the_wire_and_are_what_the_dialect_reads(
-            seq in any::<u16>(), params in prop::array::uniform4(-1e3..1e3f32), z_m in -1e4..1e4f32, v1 in any::<bool>(), mission_type in 0..3u8,
-            latitude_e7 in -900_000_000..900_000_000i32, longitude_e7 in -1_800_000_000..1_800_000_000i32, current in any::<bool>(),
+            seq in any::<u16>(), params in prop::array::uniform4(-1e3..1e3f32), z_m in -1e4..1e4f32,
+            v1 in any::<bool>(), mission_type in 0..3u8, current in any::<bool>(),
+            latitude_e7 in -900_000_000..900_000_000i32, longitude_e7 in -1_800_000_000..1_800_000_000i32,
         ) {
             let item = PlanItem { params, latitude_e7, longitude_e7, z_m, command: 16, frame: 3, autocontinue: 1 };
             let to = Target { system_id: 7, component_id: 1 };
@@ -205,19 +206,25 @@ mod tests {
                 Encoder::new(255, 190).with_version(version).encode_plan_item(&message, &mut bytes);
                 let frame = frames(&bytes, &mut Counters::default()).next().unwrap();
                 let (target, read_type, message) = plan_message(&frame).unwrap();
-                let PlanMessage::Item { seq: read_seq, item: read, current: read_current, kind: read_kind } = message else {
+                let read_kind = message.item_kind();
+                let PlanMessage::Item { seq: read_seq, item: read, current: read_current, .. } = message else {
                     panic!()
                 };
-                prop_assert_eq!(read_kind, kind);
+                prop_assert_eq!(read_kind, Some(kind));
                 prop_assert_eq!(read_type, if v1 { 0 } else { mission_type });
                 prop_assert_eq!((target, read_seq, read_current == 1), (to, seq, current));
                 // A float of degrees is good for about a metre.
                 let far = if kind == ItemKind::Int { 0 } else { 100 };
-                prop_assert!(read.latitude_e7.abs_diff(latitude_e7) <= far && read.longitude_e7.abs_diff(longitude_e7) <= far);
+                prop_assert!(read.latitude_e7.abs_diff(latitude_e7) <= far);
+                prop_assert!(read.longitude_e7.abs_diff(longitude_e7) <= far);
                 prop_assert_eq!(PlanItem { latitude_e7, longitude_e7, ..read }, item);
                 match frame.message().unwrap() {
-                    Message::MISSION_ITEM_INT(data) => prop_assert_eq!((data.seq, data.x, data.z), (seq, latitude_e7, z_m)),
-                    Message::MISSION_ITEM(data) => prop_assert_eq!((data.seq, data.param2, data.z), (seq, params[1], z_m)),
+                    Message::MISSION_ITEM_INT(data) => {
+                        prop_assert_eq!((data.seq, data.x, data.z), (seq, latitude_e7, z_m))
+                    }
+                    Message::MISSION_ITEM(data) => {
+                        prop_assert_eq!((data.seq, data.param2, data.z), (seq, params[1], z_m))
+                    }
                     other => panic!("{other:?}"),
                 }
             }

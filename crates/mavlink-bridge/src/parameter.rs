@@ -1,8 +1,8 @@
 //! Parameters on the wire (<https://mavlink.io/en/services/parameter.html>), as ArduPilot has them: the value is always
 //! a `f32`, whatever type the parameter is of.
 //!
-//! Requests are read from the frame itself: ArduPilot does not look at the type that a writer gives, so that one which
-//! the dialect does not know must not hide the request. PX4 looks, and has integers by their bytes.
+//! Requests are read from the frame itself: ArduPilot ignores the type that a writer gives, so a type that the dialect
+//! does not know must not hide the request. PX4 reads the type, and encodes integers by their bytes.
 
 use crate::dialect::{
     MavParamError, MavParamType, Message, PARAM_ERROR_DATA, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA,
@@ -14,7 +14,7 @@ use mavlink::MessageData;
 /// The longest name of a parameter, bytes.
 pub const PARAMETER_NAME_MAX: usize = 16;
 
-/// What somebody wants of a vehicle's parameters.
+/// A request of the parameter protocol.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterRequest {
     /// PARAM_REQUEST_LIST: all of them.
@@ -34,7 +34,7 @@ pub enum ParameterRequest {
     },
 }
 
-/// The parameter request in a frame and whom it is for; none if the frame is something else.
+/// The parameter request in a frame and its target; none for another frame.
 pub(crate) fn parameter_request(frame: &Frame<'_>) -> Option<(Target, ParameterRequest)> {
     let four = |start: usize| std::array::from_fn(|index| frame.payload_byte(start + index));
     match frame.header.message_id {
@@ -71,8 +71,8 @@ pub fn parameter_value(name: &str, kind: MavParamType, value: f32, count: u16, i
     })
 }
 
-/// PARAM_ERROR (<https://mavlink.io/en/messages/common.html#PARAM_ERROR>): why a request was not met. Clients older than
-/// the message pass over it.
+/// PARAM_ERROR (<https://mavlink.io/en/messages/common.html#PARAM_ERROR>): why a request was not met. Clients older
+/// than the message pass over it.
 pub fn parameter_error(name: &str, index: i16, error: MavParamError, to: Target) -> Message {
     Message::PARAM_ERROR(PARAM_ERROR_DATA {
         param_index: index,
@@ -108,7 +108,8 @@ mod tests {
     proptest! {
         #[test]
         fn requests_survive_the_wire(
-            name in "[A-Z][A-Z0-9_]{0,15}", value in any::<f32>(), index in 0..i16::MAX, system in any::<u8>(), v1 in any::<bool>(),
+            name in "[A-Z][A-Z0-9_]{0,15}", value in any::<f32>(),
+            index in 0..i16::MAX, system in any::<u8>(), v1 in any::<bool>(),
         ) {
             let version = if v1 { Version::V1 } else { Version::V2 };
             let target = Target { system_id: system, component_id: 1 };
@@ -119,7 +120,9 @@ mod tests {
                 param_id: name.as_str().into(),
                 param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
             });
-            let Some((to, ParameterRequest::Set { name: read, value: v, kind: 9 })) = journey(&set, version) else { panic!() };
+            let Some((to, ParameterRequest::Set { name: read, value: v, kind: 9 })) = journey(&set, version) else {
+                panic!()
+            };
             prop_assert_eq!((to, read, v.to_bits()), (target, name.clone(), value.to_bits()));
 
             let mut read = PARAM_REQUEST_READ_DATA {

@@ -1,4 +1,4 @@
-//! Setpoints as messages for an autopilot, and what a vehicle reads of them.
+//! Setpoints as messages for an autopilot, and back.
 
 use crate::Target;
 use crate::dialect::{
@@ -24,7 +24,7 @@ pub struct PartialSetpoint {
     pub altitude: Option<f64>,
 }
 
-/// Why a setpoint message is not followed.
+/// Why a setpoint cannot be followed or sent.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SetpointError {
     /// The coordinate frame is not MAV_FRAME_LOCAL_NED.
@@ -44,16 +44,17 @@ pub enum SetpointError {
 /// SET_POSITION_TARGET_LOCAL_NED with velocity and altitude, for PX4 multicopters in OFFBOARD and for lockstep, where
 /// `time_boot` is the stamp (<https://mavlink.io/en/messages/common.html#SET_POSITION_TARGET_LOCAL_NED>).
 ///
-/// A speed of nothing, or less, is sent as [`SPEED_MIN_MPS`], to keep the course. Numbers that are not finite stay so, and are
-/// refused by [`setpoint_from_local_ned`].
+/// A speed of zero or less is sent as [`SPEED_MIN_MPS`], to keep the course. Numbers that are not finite are sent as
+/// they are, and [`setpoint_from_local_ned`] rejects them.
 pub fn local_ned_setpoint(time_boot: Duration, target: Target, setpoint: &Setpoint) -> Message {
     Message::SET_POSITION_TARGET_LOCAL_NED(local_ned_data(boot_ms(time_boot), target, setpoint))
 }
 
-/// What a SET_POSITION_TARGET_LOCAL_NED asks for, or why it is not followed.
+/// The setpoint in a SET_POSITION_TARGET_LOCAL_NED: vx with vy, z, or all three, in MAV_FRAME_LOCAL_NED.
 ///
-/// Followed are vx with vy, and z, in MAV_FRAME_LOCAL_NED. What a fixed wing behind speed, course and altitude loops
-/// cannot fly (position, vz, acceleration, yaw) is refused and not ignored in silence.
+/// # Errors
+/// The message asks for something that a fixed wing behind speed, course and altitude loops cannot fly (a position, vz,
+/// an acceleration, a yaw), or a number is not finite. Such a message is rejected as a whole.
 pub fn setpoint_from_local_ned(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Result<PartialSetpoint, SetpointError> {
     if target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
         return Err(SetpointError::Frame(target.coordinate_frame));
@@ -76,8 +77,8 @@ pub fn setpoint_from_local_ned(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> R
     if partial.is_finite() { Ok(partial) } else { Err(SetpointError::NotFinite) }
 }
 
-/// Exactly what a vehicle makes of [`local_ned_setpoint`]: a run in memory rounds with it, to have the same bits as a
-/// run over the wire. Twice is the same as once.
+/// The setpoint that a vehicle reads from [`local_ned_setpoint`]: a run in memory rounds with it, to have the same bits
+/// as a run over the wire. Rounding twice is the same as once.
 pub fn wire_round_setpoint(setpoint: &Setpoint) -> Setpoint {
     let data = local_ned_data(0, Target::default(), setpoint);
     let (speed_mps, course_rad) = speed_and_course(Vector2::new(data.vx, data.vy).cast());
@@ -103,10 +104,13 @@ impl PartialSetpoint {
 /// The three commands by which ArduPlane follows speed, altitude and course in GUIDED, as COMMAND_INT:
 /// MAV_CMD_GUIDED_CHANGE_SPEED, _ALTITUDE and _HEADING (over ground).
 ///
-/// `altitude_above_home_m` stands in for the setpoint's altitude, which counts from the local origin.
-/// `lateral_acceleration_mps2` limits the bank in turns. Refused are numbers that are not finite as `f32`: a NaN
-/// makes ArduPlane dive or stop. What else it would choke on is avoided: the course is in [0, 360) degrees after rounding to `f32`, an altitude within 2 cm of home or at -1 m is moved
-/// by 2 cm, the lateral acceleration is at least the autopilot's own least, 0.05 m/s2.
+/// `altitude_above_home_m` replaces the setpoint's altitude, which counts from the local origin.
+/// `lateral_acceleration_mps2` limits the bank in turns. Values that ArduPlane handles badly are avoided: the course is
+/// in [0, 360) degrees after rounding to `f32`, an altitude within 2 cm of home or of -1 m is moved by 2 cm, and the
+/// lateral acceleration is at least ArduPlane's own minimum, 0.05 m/s2.
+///
+/// # Errors
+/// A number is not finite as `f32`: ArduPlane dives or stops when it receives a NaN.
 pub fn guided_commands(
     target: Target,
     setpoint: &Setpoint,
@@ -168,7 +172,7 @@ pub(crate) fn course_deg(course_rad: f64) -> Result<f32, SetpointError> {
     Ok(if degrees >= 360.0 { 0.0 } else { degrees })
 }
 
-/// ArduPlane denies 0 and -1, and dies of what rounds to 0 cm.
+/// ArduPlane denies 0 and -1, and crashes on an altitude that rounds to 0 cm.
 pub(crate) fn flyable_altitude_m(altitude_m: f32) -> f32 {
     const LEAST_M: f32 = 0.02;
     if altitude_m.abs() < LEAST_M {

@@ -18,12 +18,18 @@ impl<W: Write> TlogWriter<W> {
     }
 
     /// Writes one frame (see [`Frame::bytes`]) at a time in microseconds since the Unix epoch.
+    ///
+    /// # Errors
+    /// The output cannot be written.
     pub fn write(&mut self, at_us: u64, frame_bytes: &[u8]) -> io::Result<()> {
         self.out.write_all(&at_us.to_be_bytes())?;
         self.out.write_all(frame_bytes)
     }
 
-    /// Writes what is buffered, and gives back what the log was written to. Without this, errors at the end are lost.
+    /// Writes the rest of the buffer, and returns the output. Without this call, errors at the end are lost.
+    ///
+    /// # Errors
+    /// The output cannot be written.
     pub fn finish(self) -> io::Result<W> {
         self.out.into_inner().map_err(io::IntoInnerError::into_error)
     }
@@ -40,6 +46,9 @@ pub struct TlogRecord {
 
 impl TlogRecord {
     /// The frame.
+    ///
+    /// # Errors
+    /// As [`Frame::parse`].
     pub fn frame(&self) -> Result<Frame<'_>, FrameError> {
         Frame::parse(&self.bytes)
     }
@@ -54,8 +63,8 @@ pub enum TlogError {
     /// The log ends within a record, as it does when its writer was stopped.
     #[error("the log ends within a record")]
     Truncated,
-    /// What follows a time is no frame.
-    #[error("byte {0:#04x} starts no frame")]
+    /// The bytes after a time are not a frame.
+    #[error("no frame starts with byte {0:#04x}")]
     NotAFrame(u8),
 }
 

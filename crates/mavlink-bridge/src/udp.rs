@@ -1,6 +1,6 @@
 //! A UDP link: one socket, any number of peers.
 //!
-//! Client and server are the same thing: a client is bound to port 0 and speaks first to a peer that it knows. The
+//! Client and server are the same: a client is bound to port 0 and sends first to a peer that it knows. The
 //! shells of further transports (TCP, serial) belong beside this file.
 
 use crate::{Counters, Impairment, ImpairmentError, ImpairmentSettings};
@@ -21,8 +21,8 @@ pub struct LinkSettings {
     pub seed: u64,
     /// Which link of that seed this is: links with numbers of their own are impaired independently.
     pub stream: u64,
-    /// Size of the socket's receive buffer to ask for, bytes. The system's default loses datagrams from some thousands a
-    /// second on; the system may grant less than is asked for (Linux: net.core.rmem_max).
+    /// Size of the socket's receive buffer to ask for, bytes. The system's default loses datagrams from some thousands
+    /// a second on; the system may grant less than is asked for (Linux: net.core.rmem_max).
     pub receive_buffer_bytes: usize,
 }
 
@@ -86,6 +86,9 @@ pub struct UdpLink {
 
 impl UdpLink {
     /// Binds a socket. Must be called within a Tokio runtime.
+    ///
+    /// # Errors
+    /// The address cannot be bound, or an impairment setting is out of range.
     pub fn bind(address: SocketAddr, settings: LinkSettings) -> Result<Self, LinkError> {
         let socket =
             open(address, settings.receive_buffer_bytes).map_err(|source| LinkError::Bind { address, source })?;
@@ -105,7 +108,10 @@ impl UdpLink {
         })
     }
 
-    /// The address the socket is bound to.
+    /// The address that the socket is bound to.
+    ///
+    /// # Errors
+    /// The system does not know it.
     pub fn local_addr(&self) -> Result<SocketAddr, LinkError> {
         self.socket.local_addr().map_err(LinkError::Socket)
     }
@@ -118,8 +124,8 @@ impl UdpLink {
         counters
     }
 
-    /// Sends a datagram, or hands it to the impairment. What the socket refuses is counted and lost, as UDP is. What the
-    /// impairment delays is sent by later calls of any method here, and while [`recv`](Self::recv) waits.
+    /// Sends a datagram, or hands it to the impairment. A datagram that the socket refuses is counted and lost, as in
+    /// UDP. Delayed datagrams are sent by later calls of any method here, and while [`recv`](Self::recv) waits.
     pub async fn send_to(&mut self, datagram: &[u8], address: SocketAddr) {
         if self.outbound.is_none() {
             let result = self.socket.send_to(datagram, address).await;
@@ -138,8 +144,11 @@ impl UdpLink {
         }
     }
 
-    /// Waits for the next datagram, which replaces what is in `buf`, and tells who sent it. Sends meanwhile what is
-    /// delayed and due. Cancel safe: no datagram is lost when the future is dropped.
+    /// Waits for the next datagram, which replaces the contents of `buf`, and returns its sender. Meanwhile it sends
+    /// the delayed datagrams that are due. Cancel safe: no datagram is lost when the future is dropped.
+    ///
+    /// # Errors
+    /// The socket failed many times in a row.
     pub async fn recv(&mut self, buf: &mut Vec<u8>) -> Result<SocketAddr, LinkError> {
         // A flooded link must leave its runtime time for other tasks.
         tokio::task::coop::consume_budget().await;
@@ -158,8 +167,11 @@ impl UdpLink {
         }
     }
 
-    /// The next datagram if there is one now; see [`recv`](Self::recv). The runtime learns of arrivals only while it is
-    /// given time: call it from a task that also awaits.
+    /// The next datagram if there is one now; see [`recv`](Self::recv). The runtime learns of arrivals only while a
+    /// task awaits: call this from a task that also awaits.
+    ///
+    /// # Errors
+    /// The socket failed many times in a row.
     pub fn try_recv(&mut self, buf: &mut Vec<u8>) -> Result<Option<SocketAddr>, LinkError> {
         self.send_due();
         loop {

@@ -11,7 +11,8 @@ use proptest::prelude::*;
 
 /// Any `f32` that equals itself.
 fn number() -> impl Strategy<Value = f32> {
-    prop_oneof![4 => -1e6..1e6f32, 1 => Just(0.0), 1 => Just(-0.0), 1 => Just(f32::INFINITY), 1 => Just(f32::MIN_POSITIVE)]
+    let odd = prop::sample::select(vec![0.0, -0.0, f32::INFINITY, f32::MIN_POSITIVE]);
+    prop_oneof![1 => -1e6..1e6f32, 1 => odd]
 }
 
 fn command() -> impl Strategy<Value = MavCmd> {
@@ -222,7 +223,8 @@ proptest! {
 
     #[test]
     fn a_truncated_frame_takes_nothing_with_it(
-        before in message(), cut in message(), after in vec(message(), 1..4), version in version(), at in any::<prop::sample::Index>()
+        before in message(), cut in message(), after in vec(message(), 1..4),
+        version in version(), at in any::<prop::sample::Index>()
     ) {
         let mut encoder = Encoder::new(1, 1).with_version(version);
         let mut datagram = encoded(&mut encoder, &before);
@@ -255,7 +257,8 @@ proptest! {
         let mut counters = Counters::default();
         let read: Vec<_> = frames(&datagram, &mut counters).map(|frame| frame.bytes.to_vec()).collect();
         prop_assert_eq!(read, vec![behind]);
-        // A broken start byte or length leaves no frame to be counted, only bytes; a broken flag says it is another kind.
+        // A broken start byte or length leaves no frame to be counted, only bytes; a broken flag says it is another
+        // kind.
         let wrong = counters.bad_checksum + counters.unknown_message + counters.incompatible_flags;
         prop_assert!(wrong == 1 || (index <= 1 && counters.malformed_bytes > 0));
     }
@@ -287,7 +290,9 @@ proptest! {
 
     /// Every message of the dialect, with any payload of any length: behind a right checksum nothing is trusted either.
     #[test]
-    fn any_payload_of_any_message_does_no_harm(id in 0..500u32, payload in vec(any::<u8>(), 0..255), v1 in any::<bool>()) {
+    fn any_payload_of_any_message_does_no_harm(
+        id in 0..500u32, payload in vec(any::<u8>(), 0..255), v1 in any::<bool>(),
+    ) {
         let message = Message::parse(
             if v1 { mavlink::MavlinkVersion::V1 } else { mavlink::MavlinkVersion::V2 }, id, &payload,
         );

@@ -1,4 +1,4 @@
-//! The optimisers by name: which there are, and the settings of each. A new one is its own file and one line here.
+//! The optimisers by name, and the settings of each. A new optimiser is one file and one line here.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +28,24 @@ macro_rules! algorithms {
             }
         }
 
-        /// Which optimiser, and the settings of each: those of the others lie idle, so that a scenario can hold them all.
+        /// Which optimiser, and the settings of each. The settings of the other optimisers have no effect, so that a
+        /// scenario can hold them all.
+        ///
+        /// ```
+        /// use optimizer::{Algorithm, Nsga2Settings, OptimizerSettings};
+        ///
+        /// let settings = OptimizerSettings {
+        ///     algorithm: Algorithm::Nsga2,
+        ///     nsga2: Nsga2Settings { population: 20, ..Nsga2Settings::default() },
+        ///     ..OptimizerSettings::default()
+        /// };
+        /// let optimizer = settings.build()?;
+        /// assert_eq!(optimizer.name(), "NSGA-II");
+        ///
+        /// // The same number of evaluations for every optimiser: 30 generations of 40 candidates.
+        /// assert_eq!(settings.with_budget(40, 30).evaluations(), 1200);
+        /// # Ok::<(), optimizer::SettingsError>(())
+        /// ```
         #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
         #[serde(deny_unknown_fields, default)]
         pub struct OptimizerSettings {
@@ -44,7 +61,7 @@ macro_rules! algorithms {
         }
 
         impl OptimizerSettings {
-            /// The optimiser that is asked for.
+            /// Makes the optimiser that `algorithm` names.
             ///
             /// # Errors
             /// One of its settings is out of range.
@@ -57,15 +74,16 @@ macro_rules! algorithms {
                 match self.algorithm { $(Algorithm::$optimizer => self.$key.evaluations()),+ }
             }
 
-            /// These settings with so many generations of so many candidates, whichever optimiser is asked for: equal terms.
+            /// These settings with a budget of `generations` generations of `candidates` candidates for every
+            /// optimiser, to compare them on equal terms.
             pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
                 Self { algorithm: self.algorithm, $($key: self.$key.with_budget(candidates, generations)),+ }
             }
 
-            /// Whether the settings of every optimiser are in range; else the first that has one which is not, and which.
+            /// Whether the settings of every optimiser are in range, also of those that are not in use.
             ///
             /// # Errors
-            /// As told.
+            /// The first optimiser with a setting out of range, and that setting.
             pub fn validate(&self) -> Result<(), (Algorithm, SettingsError)> {
                 $(self.$key.validate().map_err(|error| (Algorithm::$optimizer, error))?;)+
                 Ok(())
@@ -120,7 +138,7 @@ mod tests {
         settings.nsga2.population = 7;
         let (algorithm, error) = settings.validate().expect_err("odd");
         assert_eq!((algorithm, error.setting, error.value), (Algorithm::Nsga2, "population", 7.0));
-        // It lies idle.
+        // It is not in use.
         assert!(settings.build().is_ok());
     }
 }

@@ -10,8 +10,8 @@ use crate::problem::Candidates;
 /// Mutually non-dominated candidates without duplicates in costs (the first offered stays), in lexicographic order.
 ///
 /// A member leaves for one of two reasons: a candidate was offered that dominates it, or the archive grew beyond its
-/// capacity. Then the most crowded leave (Eq. 17, measured once; ties: the last in order), but never the one that is best in
-/// an objective. With a capacity of at least the number of candidates offered, the archive is exact.
+/// capacity. Then the most crowded leave (Eq. 17, measured once; ties: the last in order), but never the one that is
+/// best in an objective. With a capacity of at least the number of candidates offered, the archive is exact.
 #[derive(Clone, Debug, Default)]
 pub struct Archive {
     dimensions: usize,
@@ -66,7 +66,7 @@ impl Archive {
         }
     }
 
-    /// Merges two fronts that are both in lexicographic order, so that nobody is dominated by who comes later.
+    /// Merges two fronts that are both in lexicographic order, so that no member is dominated by a later one.
     fn merge(&mut self, candidates: &Candidates<'_>, costs: &Costs<'_>, front: &[u32]) {
         let mut members = 0;
         for &candidate in front {
@@ -98,7 +98,7 @@ impl Archive {
         pairs.find(|(member, candidate)| member != candidate).is_none_or(|(member, candidate)| member < candidate)
     }
 
-    /// Members do not dominate each other: only who was taken before them now may cover them.
+    /// Members do not dominate each other: only a member that was taken before can dominate the next one.
     fn merge_member(&mut self, row: u32) {
         if self.is_covered(&self.taken, |k| self.cost(row, k)) {
             self.free.push(row);

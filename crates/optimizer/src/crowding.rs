@@ -21,9 +21,9 @@ impl Crowding {
 
     /// The crowding distance of every member of one front, where `cost(i, k)` is objective `k` of member `i`.
     ///
-    /// Eq. 17, summed over the objectives: the gap between a member's two neighbours, as a fraction of the front's range.
-    /// In each objective the first and the last are infinitely far from anyone (of equals, the first by index is first).
-    /// An objective in which all are equal, or whose range is not finite, adds nothing.
+    /// Eq. 17, summed over the objectives: the gap between a member's two neighbours, as a fraction of the front's
+    /// range. In each objective the first and the last are infinitely far from anyone (of equals, the first by index is
+    /// first). An objective in which all are equal, or whose range is not finite, adds nothing.
     pub fn distances(&mut self, members: usize, objectives: usize, cost: impl Fn(usize, usize) -> f64) -> &[f64] {
         self.distances.clear();
         self.distances.resize(members, 0.0);

@@ -47,8 +47,8 @@ impl<'a> Costs<'a> {
         self.objectives[objective * self.violation.len() + candidate]
     }
 
-    /// Whether `a` dominates `b`: it violates less, or it violates as much and is at least as good in every objective and
-    /// better in one (Eq. 16). A strict partial order.
+    /// Whether `a` dominates `b`: it violates less, or it violates as much and is at least as good in every objective
+    /// and better in one (Eq. 16). A strict partial order.
     pub fn dominates(&self, a: usize, b: usize) -> bool {
         if self.violation[a] != self.violation[b] {
             return self.violation[a] < self.violation[b];
@@ -69,7 +69,7 @@ impl<'a> Costs<'a> {
         (0..self.count).all(|k| self.cost(a, k) == self.cost(b, k)) && self.violation[a] == self.violation[b]
     }
 
-    /// By violation, then objective after objective: who dominates comes before whom it dominates.
+    /// By violation, then objective by objective: a candidate comes before the candidates that it dominates.
     fn lexicographic(&self, a: usize, b: usize) -> Ordering {
         let objectives = (0..self.count).map(|k| compare(self.cost(a, k), self.cost(b, k)));
         let violation = compare(self.violation[a], self.violation[b]);
@@ -88,7 +88,8 @@ pub(crate) fn ordered_bits(value: f64) -> u64 {
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
 
-/// How many of some ascending values are at most `limit`. Of few, counting them all is faster than bisection: no step waits for another.
+/// How many of some ascending values are at most `limit`. Of few, counting them all is faster than bisection: no step
+/// waits for another.
 fn count_below(ascending: &[f64], limit: f64) -> usize {
     if ascending.len() <= 32 {
         ascending.iter().map(|&value| u64::from(value <= limit)).sum::<u64>() as usize
@@ -101,15 +102,17 @@ const NOBODY: u32 = u32::MAX;
 
 /// The fast non-dominated sort: divides candidates into fronts, of which each dominates the next. Keeps its buffers.
 ///
-/// Candidates are taken in lexicographic order (violation, then objective after objective, ties by lowest index), so that
-/// nobody is dominated by who comes later, and each joins the first front of which no member dominates it, found by
-/// bisection (the efficient sort of Zhang, Tian, Cheng and Jin, 2015). With one or two objectives it is enough to ask the
-/// front's last member: O(n log n). With more, every member is asked: O(n^2) at worst. Equal candidates share a front.
+/// Candidates are taken in lexicographic order (violation, then objective after objective, ties by lowest index), so
+/// that nobody is dominated by who comes later, and each joins the first front of which no member dominates it, found
+/// by bisection (the efficient sort of Zhang, Tian, Cheng and Jin, 2015). With one or two objectives it is enough to
+/// ask the front's last member: O(n log n). With more, every member is asked: O(n^2) at worst. Equal candidates share a
+/// front.
 #[derive(Clone, Debug, Default)]
 pub struct NonDominatedSort {
     order: Entries,
     ranks: Vec<u32>,
-    /// The last member of each front and its last objective; of each candidate, the one that joined its front before it.
+    /// The last member of each front and its last objective; of each candidate, the one that joined its front before
+    /// it.
     last: Vec<u32>,
     last_cost: Vec<f64>,
     previous: Vec<u32>,
@@ -157,7 +160,7 @@ impl Entries {
         (key & self.number) as usize
     }
 
-    /// Whether only a look at the costs tells two candidates apart.
+    /// Whether two candidates can be told apart only by their costs.
     fn tied(&self, a: u64, b: u64) -> bool {
         (a ^ b) & !self.number == 0
     }

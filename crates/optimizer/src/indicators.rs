@@ -1,4 +1,5 @@
-//! How good a front is: hypervolume and IGD+. Every objective is minimised; a point is a row with one value per objective.
+//! Quality indicators of a front: hypervolume and IGD+. Every objective is minimised; a point is a row with one value
+//! per objective.
 
 use crate::optimizer::Front;
 
@@ -28,8 +29,9 @@ pub fn rows(front: &Front<'_>) -> Vec<Vec<f64>> {
 
 /// The volume that some points dominate inside the box below a reference point (Zitzler and Thiele 1998), exactly.
 ///
-/// Points may be dominated or equal; those that are not better than the reference in everything add nothing. Two objectives
-/// are swept in O(n log n), more are the WFG algorithm of While, Bradstreet and Barone (2012): exponential in the objectives.
+/// Points may be dominated or equal; those that are not better than the reference in everything add nothing. Two
+/// objectives are swept in O(n log n), more are the WFG algorithm of While, Bradstreet and Barone (2012): exponential
+/// in the objectives.
 ///
 /// # Errors
 /// A point or the reference is not finite, or is of another number of objectives. No points dominate a volume of 0.
@@ -178,7 +180,8 @@ mod tests {
                 let corner = |k: usize| (cell / 4_usize.pow(k as u32) % 4) as u8;
                 points.iter().any(|point| (0..objectives).all(|k| point[k] <= corner(k)))
             });
-            let rows: Vec<Vec<f64>> = points.iter().map(|point| point.iter().map(|&x| f64::from(x)).collect()).collect();
+            let row = |point: &Vec<u8>| point.iter().map(|&x| f64::from(x)).collect();
+            let rows: Vec<Vec<f64>> = points.iter().map(row).collect();
             prop_assert_eq!(hypervolume(&rows, &vec![4.0; objectives]), Ok(cells.count() as f64));
         }
     }

@@ -1,18 +1,30 @@
 //! Multi-objective pigeon-inspired optimisation of problems that are evaluated a generation at a time.
 //!
-//! [`Mslpio`] is the paper's; [`Mpio`] and [`Nsga2`] are what it is compared to, and [`Slpio`] is its single-objective
-//! ancestor. By default each spends at most 651 evaluations. [`suites`] and [`indicators`] say how good they are.
+//! [`Mslpio`] is the paper's optimiser; [`Mpio`] and [`Nsga2`] are the two that the paper compares it with, and
+//! [`Slpio`] is its single-objective ancestor. By default each spends at most 651 evaluations. [`suites`] and
+//! [`indicators`] measure how good they are.
 //!
-//! A [`Problem`] has any number of dimensions and objectives, and judges a whole generation in one call. An [`Optimizer`]
-//! minimises it and returns the [`Front`] of candidates that none other dominates; [`selection`] picks one of them.
-//! Everything is deterministic: the same problem, settings and [`Stream`] give the same bits on every platform.
-//! After the first solve of a problem's size, nothing is allocated.
+//! A [`Problem`] has any number of dimensions and objectives, and evaluates a whole generation in one call. An
+//! [`Optimizer`] minimises it and returns the [`Front`] of candidates that no other candidate dominates; [`selection`]
+//! picks one of them. Everything is deterministic: the same problem, settings and [`Stream`] give the same bits on
+//! every platform. After the first solve of a problem's size, a solve allocates nothing.
+//!
+//! | equation | file |
+//! |---|---|
+//! | Eq. 13 | `factors.rs` |
+//! | Eq. 14, 15 | `slpio.rs` |
+//! | Eq. 16 | `dominance.rs` |
+//! | Eq. 17 | `crowding.rs` |
+//! | Eq. 18, Algorithm 1 | `mslpio.rs`, `pareto_flock.rs` |
+//!
+//! The example `1_own_problem` optimises a problem of one's own with every optimiser:
+//! `cargo run --release -p optimizer --example 1_own_problem`. In short:
 //!
 //! ```
 //! use optimizer::selection::nearest_to_ideal;
 //! use optimizer::{Bounds, Candidates, Evaluations, Mslpio, MslpioSettings, Optimizer, Problem, stream};
 //!
-//! /// As near to 1 and to 2 as can be, but not below 1.2.
+//! /// As near to 1 and as near to 2 as possible, but not below 1.2.
 //! struct BetweenOneAndTwo([Bounds; 1]);
 //!
 //! impl Problem for BetweenOneAndTwo {

@@ -1,18 +1,19 @@
 //! Multi-objective pigeon-inspired optimisation (MPIO), to which Ruan and Duan compare MSLPIO: after Qiu and Duan, "A
 //! multi-objective pigeon-inspired optimization approach to UAV distributed flocking among obstacles", 2020.
 //!
-//! Ruan and Duan describe MPIO by reference only, and the page of readings (no. 15) says no more than this: the map and compass
-//! operator and the landmark operator in one update, a global leader from the archive, no social factor. What is flown is
+//! Ruan and Duan describe MPIO by reference only. Reading 15 of docs/reading.md is: the map and compass operator and
+//! the landmark operator in one update, a global leader from the archive, no social factor. The update is
 //!
 //! N^nc = N^(nc-1) - N_removed,
 //! V_i^nc = V_i^(nc-1) e^(-R nc) + rand tr (1 - w) (X_gbest - X_i^(nc-1)) + rand tr w (X_center^(nc-1) - X_i^(nc-1)),
 //! X_i^nc = X_i^(nc-1) + V_i^nc, where w = log(nc) / log(N_max).
 //!
-//! That is Eq. 18 with two differences. One leader for the whole flock, drawn from the archive at each iteration, in place of a
-//! model for each pigeon: this is what social learning is compared to. And a transition factor tr with a weight w that goes
-//! from the first operator to the second, from 0 at the first iteration to 1 at the last, in place of c1 and c2.
-//! **The equation is our reading**: the weight, tr, and the way the leader is drawn have not been checked against Qiu and Duan,
-//! whose text was not at hand. All else (sorting, archive, centre, who leaves, limits) is as in [`crate::Mslpio`].
+//! That is Eq. 18 with two differences. One leader for the whole flock, drawn from the archive at each iteration, in
+//! place of a model for each pigeon: this is what social learning is compared to. And a transition factor tr with a
+//! weight w that goes from the first operator to the second, from 0 at the first iteration to 1 at the last, in place
+//! of c1 and c2. **The equation is our reading**: the weight, tr, and the way the leader is drawn have not been checked
+//! against Qiu and Duan, whose text we did not have. Everything else (sorting, archive, centre, removal, limits) is as
+//! in [`crate::Mslpio`].
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -32,17 +33,19 @@ pub struct MpioSettings {
     pub population: usize,
     /// The map and compass factor R, from 0 to 1: how fast velocities decay.
     pub map_and_compass_factor: f64,
-    /// tr, how strongly a pigeon is drawn to the leader and to the centre, from 0 to 1000. The default, 3, is
-    /// ours: near MSLPIO's c1, and of 0.5 to 4 among the best on ZDT1, 3 and 6; with 1 the flock stops well short of a front.
+    /// tr, how strongly a pigeon is drawn to the leader and to the centre, from 0 to 1000. The default, 3, is ours:
+    /// near MSLPIO's c1, and of 0.5 to 4 among the best on ZDT1, 3 and 6; with 1 the flock stops well short of a front.
     pub transition_factor: f64,
     /// N_max, at most 1000000.
     pub iterations: usize,
-    /// N_removed: pigeons that leave before each iteration, the worst by rank and crowding. At least one pigeon must be left
-    /// for the last iteration.
+    /// N_removed: pigeons that leave before each iteration, the worst by rank and crowding. At least one pigeon must be
+    /// left for the last iteration.
     pub removed_per_iteration: usize,
-    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0 to 1.
+    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0
+    /// to 1.
     pub velocity_limit: f64,
-    /// The greatest size of the archive, and so of the front, from 1 to 1000000. The default holds every candidate of a solve.
+    /// The greatest size of the archive, and so of the front, from 1 to 1000000. The default holds every candidate of a
+    /// solve.
     pub archive_capacity: usize,
 }
 
@@ -62,6 +65,9 @@ impl Default for MpioSettings {
 
 impl MpioSettings {
     /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// The first setting that is out of its range, with that range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         check_settings(&[
             settings::count("population", self.population),
@@ -79,8 +85,8 @@ impl MpioSettings {
         settings::evaluations(self.population, self.removed_per_iteration, self.iterations)
     }
 
-    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
-    /// optimisers comparable. Nobody leaves the flock.
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
+    /// generation: what makes optimisers comparable. No pigeon is removed.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         let iterations = generations.saturating_sub(1);
         Self { population: candidates, iterations, removed_per_iteration: 0, archive_capacity: candidates, ..self }
@@ -93,7 +99,8 @@ impl MpioSettings {
     }
 }
 
-/// The optimiser. The leader is drawn uniformly from the archive, `rand` for each pigeon, term and dimension from [0, 1).
+/// The optimiser. The leader is drawn uniformly from the archive, `rand` for each pigeon, term and dimension from [0,
+/// 1).
 #[derive(Clone, Debug)]
 pub struct Mpio {
     settings: MpioSettings,
@@ -103,6 +110,9 @@ pub struct Mpio {
 
 impl Mpio {
     /// An optimiser with these settings.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: MpioSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self { settings, flock: ParetoFlock::default(), draws: Vec::new() })

@@ -17,11 +17,12 @@ use crate::stream::Stream;
 pub struct MslpioSettings {
     /// M of Eq. 13: pigeons, but for one more per five dimensions. At least 1. The paper: 50.
     pub base_population: usize,
-    /// D of Eq. 13, c1 and c2, from 1 to `base_population`. The paper says 5 for its factor of fewer dimensions, so it is a
-    /// setting and not the problem's number of dimensions.
+    /// D of Eq. 13, c1 and c2, from 1 to `base_population`. The paper gives 5, which is more than its number of
+    /// dimensions: so D is a setting, independent of the problem.
     pub dimension_setting: usize,
-    /// Whether each pigeon learns from a model of its own, which is the paper's social learning. If not, one leader is drawn from the
-    /// archive at each iteration for all, as MPIO does it: a setting for those who ask what social learning is worth.
+    /// Whether each pigeon learns from its own model, which is the paper's social learning. If false, all pigeons
+    /// follow one leader that is drawn from the archive at each iteration, as in MPIO: this setting measures the effect
+    /// of social learning.
     pub social_learning: bool,
     /// The social coefficient a of c2, at least 0. The paper: 0.5.
     pub social_coefficient: f64,
@@ -29,15 +30,16 @@ pub struct MslpioSettings {
     pub map_and_compass_factor: f64,
     /// N_max, at most 1000000. The paper: 20.
     pub iterations: usize,
-    /// N_removed: pigeons that leave before each iteration, the worst by rank and crowding. At least one pigeon must be left
-    /// for the last iteration. The paper: 2.
+    /// N_removed: pigeons that leave before each iteration, the worst by rank and crowding. At least one pigeon must be
+    /// left for the last iteration. The paper: 2.
     pub removed_per_iteration: usize,
-    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0 to 1.
-    /// The paper gives none; 0.5 is a measured compromise: below 0.3 a solve stops short of a front at the bounds (ZDT1, ZDT3),
-    /// and towards 1 it finds less of a front inside them.
+    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0
+    /// to 1. The paper gives none; 0.5 is a measured compromise: below 0.3 a solve stops short of a front at the bounds
+    /// (ZDT1, ZDT3), and towards 1 it finds less of a front inside them.
     pub velocity_limit: f64,
-    /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it, and
-    /// neither does the default, 700, which is more than the 651 candidates of a solve. See [`crate::archive::Archive`] for who leaves.
+    /// The greatest size of the archive A, and so of the front; at least 1. The paper does not bound it, and neither
+    /// does the default, 700, which is more than the 651 candidates of a solve. [`crate::archive::Archive`] says which
+    /// members leave.
     pub archive_capacity: usize,
 }
 
@@ -59,6 +61,9 @@ impl Default for MslpioSettings {
 
 impl MslpioSettings {
     /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// The first setting that is out of its range, with that range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         check_settings(&[
             settings::count("base_population", self.base_population),
@@ -82,8 +87,8 @@ impl MslpioSettings {
         settings::evaluations(self.population(), self.removed_per_iteration, self.iterations)
     }
 
-    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
-    /// optimisers comparable. Nobody leaves the flock.
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
+    /// generation: what makes optimisers comparable. No pigeon is removed.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         Self {
             base_population: factors::base_population(candidates, self.dimension_setting),
@@ -105,9 +110,10 @@ impl MslpioSettings {
     }
 }
 
-/// The optimiser. Where Algorithm 1 leaves a choice: X_model is drawn for each pigeon uniformly from the archive A, X_center
-/// is the mean of the current generation's Pareto front, `rand` is drawn for each pigeon, term and dimension uniformly from
-/// [0, 1), the N_removed worst by (rank, crowding, index, the higher being worse) leave before each update, and the front returned is A.
+/// The optimiser. Where Algorithm 1 leaves a choice: X_model is drawn for each pigeon uniformly from the archive A,
+/// X_center is the mean of the current generation's Pareto front, `rand` is drawn for each pigeon, term and dimension
+/// uniformly from [0, 1), the N_removed worst by (rank, crowding, index, the higher being worse) leave before each
+/// update, and the front returned is A.
 #[derive(Clone, Debug)]
 pub struct Mslpio {
     settings: MslpioSettings,
@@ -118,6 +124,9 @@ pub struct Mslpio {
 
 impl Mslpio {
     /// An optimiser with these settings.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: MslpioSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self { settings, flock: ParetoFlock::default(), x_model: Vec::new(), draws: Vec::new() })
@@ -148,7 +157,8 @@ impl Evolve for Mslpio {
         let pigeons = self.flock.swarm.len();
         let decay = libm::exp(-self.settings.map_and_compass_factor * nc as f64);
         let (c1, c2) = (self.settings.learning_factor(), self.settings.social_influence_factor());
-        // All draws of an iteration at once: a model for each pigeon, then for each dimension both factors of each pigeon.
+        // All draws of an iteration at once: a model for each pigeon, then for each dimension both factors of each
+        // pigeon.
         self.draws.resize(pigeons * (1 + 2 * bounds.len()), 0);
         rng.fill(&mut self.draws[..]);
         let (models, factors) = self.draws.split_at(pigeons);

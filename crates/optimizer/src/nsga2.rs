@@ -17,8 +17,8 @@ use crate::variation::{Crossover, Mutation};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Nsga2Settings {
-    /// N, parents as well as offspring of a generation; even, from 2 to 1000000. The default, 50, with 12 generations, is 650
-    /// evaluations: as near as pairs come to the 651 of the pigeon-inspired optimisers.
+    /// N, parents as well as offspring of a generation; even, from 2 to 1000000. The default, 50, with 12 generations,
+    /// is 650 evaluations: as near as pairs come to the 651 of the pigeon-inspired optimisers.
     pub population: usize,
     /// How often offspring are made, at most 1000000; the random first population is not counted.
     pub generations: usize,
@@ -27,8 +27,8 @@ pub struct Nsga2Settings {
     /// eta_c of the simulated binary crossover, from 0 to 1000: the greater, the more like their parents are children.
     /// Deb et al.: 20.
     pub crossover_index: f64,
-    /// How many coordinates of a child mutate on average, at least 0: p_m is this over the number of dimensions, at most 1.
-    /// Deb et al.: 1, which is p_m = 1/n.
+    /// How many coordinates of a child mutate on average, at least 0: p_m is this over the number of dimensions, at
+    /// most 1. Deb et al.: 1, which is p_m = 1/n.
     pub mutations_per_child: f64,
     /// eta_m of the polynomial mutation, from 0 to 1000: the greater, the smaller are its steps. Deb et al.: 20.
     pub mutation_index: f64,
@@ -49,6 +49,9 @@ impl Default for Nsga2Settings {
 
 impl Nsga2Settings {
     /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// The first setting that is out of its range, with that range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         check_settings(&[
             (
@@ -75,18 +78,20 @@ impl Nsga2Settings {
         self.population.saturating_mul(self.generations.saturating_add(1))
     }
 
-    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
-    /// optimisers comparable.
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
+    /// generation: what makes optimisers comparable.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         Self { population: candidates, generations: generations.saturating_sub(1), ..self }
     }
 }
 
-/// The optimiser. The front returned is the first front of the last population, without duplicates in costs. Constraints are
-/// in the sort (section VI); parents meet in tournaments drawn from two permutations of the population, so that each is in two.
+/// The optimiser. The front returned is the first front of the last population, without duplicates in costs.
+/// Constraints are in the sort (section VI); parents meet in tournaments drawn from two permutations of the population,
+/// so that each is in two.
 ///
-/// One difference to Deb et al.: of candidates that cost the same, one has the crowding distance that it would have without the
-/// others, and these have 0. So copies leave first, instead of holding places of a full front at the expense of their neighbours.
+/// One difference to Deb et al.: of candidates that cost the same, one has the crowding distance that it would have
+/// without the others, and these have 0. So copies leave first, instead of holding places of a full front at the
+/// expense of their neighbours.
 #[derive(Clone, Debug)]
 pub struct Nsga2 {
     settings: Nsga2Settings,
@@ -115,6 +120,9 @@ pub struct Nsga2 {
 
 impl Nsga2 {
     /// An optimiser with these settings.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: Nsga2Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self {
@@ -211,7 +219,8 @@ impl Nsga2 {
         self.parents.select(&self.union, &self.survivors);
     }
 
-    /// The crowded-comparison operator of section III-B: the lower rank wins, then the greater distance; then the first.
+    /// The crowded-comparison operator of section III-B: the lower rank wins, then the greater distance; then the
+    /// first.
     fn select_parents(&mut self, rng: &mut Stream) {
         let size = self.settings.population;
         self.tournament.clear();

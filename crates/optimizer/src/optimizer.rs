@@ -1,25 +1,25 @@
-//! What every optimiser here does, and what it hands back.
+//! The interface of every optimiser, and the front that a solve returns.
 
 use crate::problem::Problem;
 use crate::stream::Stream;
 
-/// A multi-objective optimiser. It keeps its buffers between solves, so one per thread is made once and used again.
+/// A multi-objective optimiser. It keeps its buffers between solves: make one per thread and use it again.
 pub trait Optimizer: Send {
-    /// What reports call it.
+    /// Its name in reports.
     fn name(&self) -> &'static str;
 
-    /// Candidates for the next solve to start from, coordinate after coordinate of one candidate after another. They
-    /// replace as many of its first random candidates, clamped to the bounds; those beyond its population are left out.
-    /// One solve uses them up, whether it succeeds or not.
+    /// Candidates that the next solve starts from: the coordinates of one candidate after another. They replace as many
+    /// of the random candidates of the first generation, and are clamped to the bounds; candidates beyond the
+    /// population are left out. They count for one solve, whether it succeeds or not.
     fn seed_candidates(&mut self, positions: &[f64]);
 
     /// Minimises every objective of a problem. The front stays readable until the next call.
     ///
-    /// A candidate with an objective or a violation that is not finite is refused, as if it violated infinitely: it never
-    /// enters the front.
+    /// A candidate with an objective or a violation that is not finite is rejected, as if its violation were infinite:
+    /// it never enters the front.
     ///
     /// # Errors
-    /// The problem or the seeds make no sense, or every candidate of the first generation is refused.
+    /// The problem or the seeds are not valid, or every candidate of the first generation is rejected.
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError>;
 }
 
@@ -70,8 +70,8 @@ pub struct SettingsError {
     pub range: &'static str,
 }
 
-/// Candidates of which none dominates another, in lexicographic order of their costs. They violate the constraints
-/// equally: by 0 if any feasible candidate was found. Indices out of range panic, as an index does.
+/// The candidates that no other candidate dominates, in lexicographic order of their costs. All have the same
+/// constraint violation: 0 if a feasible candidate was found. An index out of range panics, as a slice's index does.
 #[derive(Clone, Copy, Debug)]
 pub struct Front<'a> {
     buffer: &'a FrontBuffer,

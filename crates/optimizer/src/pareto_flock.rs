@@ -1,4 +1,5 @@
-//! What the multi-objective pigeon-inspired optimisers share: all of Algorithm 1 but how a pigeon flies.
+//! The part of Algorithm 1 that all multi-objective pigeon-inspired optimisers share: everything except the update of a
+//! pigeon.
 
 use rand::Rng;
 
@@ -28,7 +29,7 @@ pub(crate) struct ParetoFlock {
 }
 
 impl ParetoFlock {
-    /// What [`crate::Optimizer::seed_candidates`] asks for.
+    /// Implements [`crate::Optimizer::seed_candidates`].
     pub fn seed(&mut self, positions: &[f64]) {
         self.seeds.clear();
         self.seeds.extend_from_slice(positions);
@@ -82,8 +83,8 @@ impl ParetoFlock {
         if self.archive.is_empty() { Err(OptimizeError::NoFiniteCandidate) } else { Ok(()) }
     }
 
-    /// The first line of Eq. 18: the `removed` worst pigeons leave, by rank, then crowding (Eq. 17), then the highest index. Only a front of
-    /// which some leave and some stay needs its crowding known.
+    /// The first line of Eq. 18: the `removed` worst pigeons leave, by rank, then crowding (Eq. 17), then the highest
+    /// index. Only a front of which some leave and some stay needs its crowding known.
     pub fn remove_worst(&mut self, removed: usize) {
         let costs = self.swarm.costs();
         self.leaving.clear();
@@ -116,11 +117,11 @@ impl ParetoFlock {
     }
 }
 
-/// Algorithm 1, for whoever has a flock and knows how it flies.
+/// Algorithm 1 for an optimiser that has a flock and an update rule.
 pub(crate) trait Evolve {
     fn flock(&mut self) -> &mut ParetoFlock;
 
-    /// The rest of Eq. 18, or what stands for it, at iteration `nc`, counted from 1.
+    /// The update of velocities and positions (Eq. 18, or another) at iteration `nc`, counted from 1.
     fn fly(&mut self, nc: usize, bounds: &[Bounds], rng: &mut Stream);
 
     /// Lines 3 to 11, after the flock's start.

@@ -1,4 +1,4 @@
-//! The generation that an optimiser works on: positions, and what the problem says they cost.
+//! The current generation of an optimiser: positions, and their costs.
 
 use rand::Rng;
 
@@ -19,7 +19,8 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then puts seeds in place of the first.
+    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then puts seeds in place of the
+    /// first.
     pub fn start(
         &mut self,
         len: usize,
@@ -74,7 +75,7 @@ impl Population {
         self.violation.reserve(len);
     }
 
-    /// Becomes `len` candidates whose positions are 0 until someone writes them, and whose costs are void.
+    /// Makes `len` candidates with positions of 0 and no costs yet.
     pub fn reset(&mut self, len: usize, dimensions: usize, objectives: usize) {
         (self.len, self.dimensions, self.objectives) = (len, dimensions, objectives);
         self.costs.clear();
@@ -159,7 +160,8 @@ pub(crate) fn pick(count: usize, bits: u32) -> usize {
     ((u64::from(bits) * count as u64) >> 32) as usize
 }
 
-/// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's place.
+/// Drops rows, given in descending order, from a table of `rows` kept column after column. The last takes a gap's
+/// place.
 pub(crate) fn remove_rows(table: &mut Vec<f64>, rows: usize, dropped: &[u32]) {
     let left = rows - dropped.len();
     for (column, start) in (0..table.len()).step_by(rows.max(1)).enumerate() {

@@ -1,7 +1,7 @@
-//! What is optimised: a problem that judges a whole generation of candidates in one call.
+//! The problem to optimise, which evaluates a whole generation of candidates in one call.
 //!
-//! Everything is a structure of arrays. A table of `len` rows is one slice, column after column, each column `len` long,
-//! so that coordinate `d` (or objective `k`) of every candidate lies in one contiguous run.
+//! Everything is a structure of arrays. A table of `len` rows is one slice, column after column, each column `len`
+//! long, so that coordinate `d` (or objective `k`) of every candidate lies in one contiguous run.
 
 use crate::dominance::Costs;
 
@@ -48,6 +48,34 @@ pub(crate) fn clamp(value: f64, lower: f64, upper: f64) -> f64 {
 }
 
 /// A multi-objective problem: minimise every objective, inside the bounds, without violating the constraints.
+///
+/// ```
+/// use optimizer::{Bounds, Candidates, Evaluations, Problem};
+///
+/// /// Schaffer's first function: x^2 and (x - 2)^2.
+/// struct Schaffer([Bounds; 1]);
+///
+/// impl Problem for Schaffer {
+///     fn bounds(&self) -> &[Bounds] {
+///         &self.0
+///     }
+///     fn objectives(&self) -> usize {
+///         2
+///     }
+///     fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>) {
+///         let ([first, second], _no_constraints) = evaluations.objectives_and_violation();
+///         for (i, x) in candidates.coordinate(0).iter().enumerate() {
+///             first[i] = x * x;
+///             second[i] = (x - 2.0) * (x - 2.0);
+///         }
+///     }
+/// }
+///
+/// let (mut costs, mut violations) = ([0.0; 4], [0.0; 2]);
+/// let mut evaluations = Evaluations::new(&mut costs, &mut violations);
+/// Schaffer([Bounds::new(-5.0, 5.0)]).evaluate(&Candidates::new(&[1.0, 3.0], 2), &mut evaluations);
+/// assert_eq!((evaluations.objective(0)[1], evaluations.objective(1)[1]), (9.0, 1.0));
+/// ```
 pub trait Problem {
     /// One interval per dimension. It must not change during a solve.
     fn bounds(&self) -> &[Bounds];
@@ -55,7 +83,7 @@ pub trait Problem {
     /// The number of objectives, at least one. It must not change during a solve.
     fn objectives(&self) -> usize;
 
-    /// Judges every candidate, writing each objective of each; see [`Evaluations`].
+    /// Evaluates every candidate: writes all its objectives, and its constraint violation; see [`Evaluations`].
     fn evaluate(&mut self, candidates: &Candidates<'_>, evaluations: &mut Evaluations<'_>);
 }
 
@@ -68,7 +96,7 @@ pub struct Candidates<'a> {
 
 impl<'a> Candidates<'a> {
     /// `len` candidates from their coordinates, dimension after dimension (`positions[d * len + i]`).
-    /// What is left over after the last full column is ignored.
+    /// Values after the last full column are ignored.
     pub fn new(positions: &'a [f64], len: usize) -> Self {
         Self { positions, len }
     }
@@ -94,10 +122,11 @@ impl<'a> Candidates<'a> {
     }
 }
 
-/// Where a problem writes what it found.
+/// Where a problem writes the objectives and violations of a generation.
 ///
-/// Violations come zeroed: 0 is feasible, and more is worse (less than 0 counts as 0). Objectives come as NaN: a candidate
-/// with an objective or a violation that is not finite is *refused*, as if it violated infinitely.
+/// Violations are 0 at first: 0 is feasible, a greater violation is worse, and a negative one counts as 0. Objectives
+/// are NaN at first: a candidate with an objective or a violation that is not finite is *rejected*, as if its violation
+/// were infinite.
 #[derive(Debug)]
 pub struct Evaluations<'a> {
     objectives: &'a mut [f64],

@@ -1,5 +1,5 @@
-//! Random search: every candidate is drawn anew. What learns nothing is the control of every comparison, and the shortest
-//! example of an optimiser: docs/extending.md walks through this file.
+//! Random search: every candidate is drawn independently. It learns nothing, and so is the control of every comparison;
+//! it is also the shortest example of an optimiser, which docs/extending.md walks through.
 
 use rand::Rng;
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,8 @@ pub struct RandomSettings {
     pub population: usize,
     /// Generations after the first, at most 1000000.
     pub generations: usize,
-    /// The greatest size of the archive, and so of the front, from 1 to 1000000. The default holds every candidate of a solve.
+    /// The greatest size of the archive, and so of the front, from 1 to 1000000. The default holds every candidate of a
+    /// solve.
     pub archive_capacity: usize,
 }
 
@@ -31,6 +32,9 @@ impl Default for RandomSettings {
 
 impl RandomSettings {
     /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// The first setting that is out of its range, with that range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         check_settings(&[
             settings::count("population", self.population),
@@ -44,8 +48,8 @@ impl RandomSettings {
         self.population.saturating_mul(self.generations.saturating_add(1))
     }
 
-    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
-    /// optimisers comparable.
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
+    /// generation: what makes optimisers comparable.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         Self { population: candidates, generations: generations.saturating_sub(1), archive_capacity: candidates }
     }
@@ -60,6 +64,9 @@ pub struct Random {
 
 impl Random {
     /// An optimiser with these settings.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: RandomSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self { settings, flock: ParetoFlock::default() })

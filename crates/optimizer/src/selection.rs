@@ -1,4 +1,4 @@
-//! Which member of a front to fly: the decision that Algorithm 1 leaves to its Step 7.
+//! The choice of one member of a front: the decision of Step 7 of Algorithm 1.
 
 use crate::crowding::half_gap;
 use crate::optimizer::Front;

@@ -1,4 +1,4 @@
-//! What the settings of optimisers may be.
+//! The ranges of the settings of optimisers.
 
 use crate::optimizer::SettingsError;
 

@@ -1,4 +1,5 @@
-//! Eq. 14 and Eq. 15 of Ruan and Duan: social learning pigeon-inspired optimisation (SL-PIO) of one objective, in two stages.
+//! Eq. 14 and Eq. 15 of Ruan and Duan: social learning pigeon-inspired optimisation (SL-PIO) of one objective, in two
+//! stages.
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -12,8 +13,9 @@ use crate::settings::{self, check_settings};
 use crate::stream::Stream;
 use crate::sum::SumOfObjectives;
 
-/// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not say how long each stage is: the
-/// default is three quarters and one quarter of 12 iterations, and 651 evaluations like the other pigeon-inspired optimisers.
+/// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not say how long each stage
+/// is: the default is three quarters and one quarter of 12 iterations, and 651 evaluations like the other
+/// pigeon-inspired optimisers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SlpioSettings {
@@ -29,10 +31,11 @@ pub struct SlpioSettings {
     pub map_and_compass_iterations: usize,
     /// Iterations of the landmark stage (Eq. 15), at most 1000000.
     pub landmark_iterations: usize,
-    /// N_removed: pigeons that leave in each iteration of the landmark stage, the worst. At least one must be left for the
-    /// last. The paper: 2.
+    /// N_removed: pigeons that leave in each iteration of the landmark stage, the worst. At least one must be left for
+    /// the last. The paper: 2.
     pub removed_per_iteration: usize,
-    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0 to 1.
+    /// The limit of a velocity, and the width of its first draw, as a fraction of each dimension's range; from above 0
+    /// to 1.
     pub velocity_limit: f64,
 }
 
@@ -53,6 +56,9 @@ impl Default for SlpioSettings {
 
 impl SlpioSettings {
     /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// The first setting that is out of its range, with that range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let (iterations, pigeons) = (self.landmark_iterations, self.population());
         check_settings(&[
@@ -78,9 +84,9 @@ impl SlpioSettings {
         self.population().saturating_mul(self.map_and_compass_iterations).saturating_add(landmark)
     }
 
-    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one generation: what makes
-    /// optimisers comparable. Nobody leaves the flock, and a quarter of the
-    /// iterations are of the landmark stage.
+    /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
+    /// generation: what makes optimisers comparable. Nobody leaves the flock, and a quarter of the iterations are of
+    /// the landmark stage.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         let iterations = generations.saturating_sub(1);
         Self {
@@ -103,12 +109,13 @@ impl SlpioSettings {
     }
 }
 
-/// The optimiser. Of a problem of several objectives it minimises the sum. Its front has one member, the best candidate of all that
-/// it judged, and one objective.
+/// The optimiser. Of a problem of several objectives it minimises the sum. Its front has one member, the best candidate
+/// of all that it judged, and one objective.
 ///
-/// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now (by
-/// violation, then cost), so the best pigeons, who have none, stay where they are, as in the SL-PSO of Cheng and Jin; `rand`
-/// is drawn for each pigeon and dimension uniformly from [0, 1); and the N_removed who leave are the worst.
+/// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now
+/// (by violation, then cost), so the best pigeons, which have none, stay where they are, as in the SL-PSO of Cheng and
+/// Jin; `rand` is drawn for each pigeon and dimension uniformly from [0, 1); and the N_removed worst pigeons are
+/// removed.
 #[derive(Clone, Debug)]
 pub struct Slpio {
     settings: SlpioSettings,
@@ -117,15 +124,18 @@ pub struct Slpio {
     demonstrators: Vec<u32>,
     x_model: Vec<f64>,
     draws: Vec<u32>,
-    /// What a problem of several objectives says of each.
+    /// The costs of the inner problem's objectives.
     objectives: Vec<f64>,
 }
 
-/// In place of a demonstrator, of a pigeon to whom nobody is superior.
+/// Stands for no demonstrator: no pigeon is better than this one.
 const NOBODY: u32 = u32::MAX;
 
 impl Slpio {
     /// An optimiser with these settings.
+    ///
+    /// # Errors
+    /// A setting is out of its range.
     pub fn new(settings: SlpioSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self {

@@ -1,4 +1,4 @@
-//! Random numbers that depend on who draws them and when, and on nothing else.
+//! Random numbers that depend only on the seed, the vehicle and the tick.
 
 use rand::SeedableRng;
 

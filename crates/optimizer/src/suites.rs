@@ -1,5 +1,5 @@
-//! Test problems whose fronts are known: ZDT1-4 and 6 (Zitzler, Deb and Thiele 2000), DTLZ1 and 2 (Deb, Thiele, Laumanns and
-//! Zitzler 2005). For judging optimisers, here and in comparisons.
+//! Test problems whose fronts are known: ZDT1-4 and 6 (Zitzler, Deb and Thiele 2000), DTLZ1 and 2 (Deb, Thiele,
+//! Laumanns and Zitzler 2005). For judging optimisers, here and in comparisons.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -41,8 +41,8 @@ impl Suite {
         }
     }
 
-    /// The problem with so many dimensions and objectives. ZDT has two objectives, whatever is asked for, and at least two
-    /// dimensions; DTLZ has at least two objectives, and at least as many dimensions.
+    /// The problem with so many dimensions and objectives. ZDT has two objectives, whatever is asked for, and at least
+    /// two dimensions; DTLZ has at least two objectives, and at least as many dimensions.
     pub fn problem(self, dimensions: usize, objectives: usize) -> TestProblem {
         let objectives = if self.is_dtlz() { objectives.max(2) } else { 2 };
         let mut bounds = vec![Bounds::new(0.0, 1.0); dimensions.max(objectives)];
@@ -52,8 +52,8 @@ impl Suite {
         TestProblem { suite: self, bounds, objectives, position: Vec::new(), costs: Vec::new() }
     }
 
-    /// The problem with as many dimensions as is customary (ZDT1-3: 30, ZDT4 and 6: 10, DTLZ1: 7, DTLZ2: 12), unless others are
-    /// asked for, and with 3 objectives for DTLZ.
+    /// The problem with as many dimensions as is customary (ZDT1-3: 30, ZDT4 and 6: 10, DTLZ1: 7, DTLZ2: 12), unless
+    /// others are asked for, and with 3 objectives for DTLZ.
     pub fn customary(self, dimensions: Option<usize>) -> TestProblem {
         let customary = match self {
             Self::Zdt1 | Self::Zdt2 | Self::Zdt3 => 30,
@@ -85,8 +85,9 @@ impl TestProblem {
         self.suite
     }
 
-    /// Points of the true front, each with every objective, as IGD+ asks for. Two objectives: `divisions + 1` points evenly
-    /// in f1 (on a sphere: in the angle), of which ZDT3 keeps those on the front. More: a simplex lattice of so many divisions.
+    /// Points of the true front, each with every objective, as IGD+ asks for. Two objectives: `divisions + 1` points
+    /// evenly in f1 (on a sphere: in the angle), of which ZDT3 keeps those on the front. More: a simplex lattice of so
+    /// many divisions.
     pub fn pareto_front(&self, divisions: usize) -> Vec<Vec<f64>> {
         let divisions = divisions.max(1);
         let along = (0..=divisions).map(|i| i as f64 / divisions as f64);
@@ -98,7 +99,7 @@ impl TestProblem {
                 let mut front = Vec::new();
                 for f1 in along {
                     let f2 = 1.0 - f1.sqrt() - f1 * libm::sin(10.0 * PI * f1);
-                    // On the front is who is better in f2 than all with less f1.
+                    // A point is on the front if its f2 is less than that of all points with a smaller f1.
                     if f2 < least {
                         least = f2;
                         front.push(vec![f1, f2]);
@@ -124,14 +125,14 @@ impl TestProblem {
         }
     }
 
-    /// The sample of the true front that comparisons measure IGD+ by: 1001 points of two objectives (ZDT3: those on the front), or
-    /// 496 of three.
+    /// The sample of the true front that comparisons measure IGD+ by: 1001 points of two objectives (ZDT3: those on the
+    /// front), or 496 of three.
     pub fn reference_front(&self) -> Vec<Vec<f64>> {
         self.pareto_front(if self.objectives == 2 { 1000 } else { 30 })
     }
 
-    /// The point that comparisons measure hypervolume by: in every objective a tenth beyond where the front ends, at 1, or at 1/2
-    /// for DTLZ1. (ZDT3 ends earlier in f1; it has the point of the other ZDT.)
+    /// The point that comparisons measure hypervolume by: in every objective a tenth beyond where the front ends, at 1,
+    /// or at 1/2 for DTLZ1. (ZDT3 ends earlier in f1; it has the point of the other ZDT.)
     pub fn reference_point(&self) -> Vec<f64> {
         vec![if self.suite == Suite::Dtlz1 { 0.55 } else { 1.1 }; self.objectives]
     }

@@ -5,7 +5,7 @@ use crate::problem::{Bounds, Candidates, Evaluations, Problem};
 /// A problem of one objective: the sum of another's, within the same bounds and constraints.
 pub(crate) struct SumOfObjectives<'a> {
     pub problem: &'a mut dyn Problem,
-    /// Room for what the other problem says, kept from solve to solve.
+    /// Buffers for the costs of the inner problem, kept from solve to solve.
     pub objectives: &'a mut Vec<f64>,
 }
 

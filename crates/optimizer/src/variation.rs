@@ -1,4 +1,5 @@
-//! How children differ from their parents: simulated binary crossover and polynomial mutation, coordinate by coordinate.
+//! How children differ from their parents: simulated binary crossover and polynomial mutation, coordinate by
+//! coordinate.
 
 use crate::problem::Bounds;
 
@@ -49,7 +50,8 @@ impl Crossover {
     }
 }
 
-/// Polynomial mutation within bounds (Deb and Goyal 1996; bounded as in Deb's own NSGA-II): y moves by d (upper - lower),
+/// Polynomial mutation within bounds (Deb and Goyal 1996; bounded as in Deb's own NSGA-II): y moves by d (upper -
+/// lower),
 ///
 /// d = (2 u + (1 - 2 u) (1 - d1)^(eta + 1))^(1 / (eta + 1)) - 1 if u <= 0.5,
 /// else 1 - (2 (1 - u) + (2 u - 1) (1 - d2)^(eta + 1))^(1 / (eta + 1)),
@@ -82,8 +84,8 @@ impl Mutation {
     }
 }
 
-/// A power of a base that is not negative; by multiplication alone where the exponent is whole, as it commonly is: that is
-/// several times faster than `libm::pow`, and its bits are the same on every platform too.
+/// A power of a base that is not negative; by multiplication alone where the exponent is whole, as it commonly is: that
+/// is several times faster than `libm::pow`, and its bits are the same on every platform too.
 fn power(base: f64, exponent: f64) -> f64 {
     if exponent != exponent.trunc() {
         return libm::pow(base, exponent);
@@ -100,8 +102,8 @@ fn power(base: f64, exponent: f64) -> f64 {
     power
 }
 
-/// A power between -1 and 1 of a number that is not negative, by logarithm. In single precision: a draw of 32 bits has no
-/// more to give, and it takes a third of the time.
+/// A power between -1 and 1 of a number that is not negative, by logarithm. In single precision: a draw of 32 bits has
+/// no more to give, and it takes a third of the time.
 fn root(radicand: f64, exponent: f64) -> f64 {
     libm::exp(libm::log(radicand) * exponent)
 }

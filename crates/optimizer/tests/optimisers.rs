@@ -294,7 +294,9 @@ proptest! {
 
     /// Bounds near the greatest numbers overflow nowhere.
     #[test]
-    fn extreme_bounds_are_kept(lower in prop_oneof![Just(-1.7e308), Just(1.6e308), Just(-5e299)], seed in any::<u64>()) {
+    fn extreme_bounds_are_kept(
+        lower in prop_oneof![Just(-1.7e308), Just(1.6e308), Just(-5e299)], seed in any::<u64>(),
+    ) {
         for (mut optimizer, _, most) in optimisers() {
             let mut problem = Pointwise::new(&[(lower, lower + 9e299); 2], most.min(2), |x, costs| {
                 costs.copy_from_slice(&[x[0], -x[1]][..costs.len()]);

@@ -49,8 +49,8 @@ fn ours((population, generations, problem, dimensions): &Task, seeds: u64) -> Fi
     figures
 }
 
-/// The one-sided p of the Mann-Whitney test that `a` tends to be less than `b`: of so many values, by the normal approximation
-/// with continuity and tie corrections. Equal values count half to either side.
+/// The one-sided p of the Mann-Whitney test that `a` tends to be less than `b`: of so many values, by the normal
+/// approximation with continuity and tie corrections. Equal values count half to either side.
 fn less(a: &[f64], b: &[f64]) -> f64 {
     let (m, n) = (a.len() as f64, b.len() as f64);
     let wins = |x: &f64| b.iter().map(|y| if x > y { 1.0 } else { 0.5 * f64::from(u8::from(x == y)) }).sum::<f64>();
@@ -73,8 +73,8 @@ fn median(values: &[f64]) -> f64 {
     values[values.len() / 2]
 }
 
-/// Of each problem, budget and indicator: the hypothesis that ours is no worse than pymoo's is not rejected at 1 %, all of them
-/// together (Holm's correction).
+/// Of each problem, budget and indicator: the hypothesis that ours is no worse than pymoo's is not rejected at 1 %, all
+/// of them together (Holm's correction).
 #[test]
 fn nsga2_is_no_worse_than_pymoos() {
     let pymoo = pymoo();
@@ -88,7 +88,8 @@ fn nsga2_is_no_worse_than_pymoos() {
             let p = if k == 0 { less(&ours[k], &theirs[k]) } else { less(&theirs[k], &ours[k]) };
             let [ours, theirs] = [&ours[k], &theirs[k]].map(|values| median(values));
             let line = format!(
-                "{problem} of {dimensions} variables, {population} x {generations}, {name}: ours {ours:.5}, pymoo's {theirs:.5}, p {p:.4}"
+                "{problem} of {dimensions} variables, {population} x {generations}, {name}: ours {ours:.5}, \
+                 pymoo's {theirs:.5}, p {p:.4}"
             );
             println!("{line}");
             worse.push((p, line));

@@ -297,7 +297,8 @@ proptest! {
             }
             (1.0 - x[0]).max(0.0)
         });
-        let mut mslpio = Mslpio::new(MslpioSettings { archive_capacity, ..MslpioSettings::default() }).expect("in range");
+        let settings = MslpioSettings { archive_capacity, ..MslpioSettings::default() };
+        let mut mslpio = Mslpio::new(settings).expect("in range");
         let front = mslpio.minimise(&mut problem, &mut stream(seed, 0, 0)).expect("solvable");
         prop_assert!(problem.kept_bounds);
         prop_assert!(!front.is_empty());

@@ -1,10 +1,11 @@
-//! Eq. 11 and Eq. 12: the predicted flight of one vehicle for every choice of weights of a generation (reading 11), and what it
-//! costs.
+//! Eq. 11 and Eq. 12: the predicted flight of one vehicle for every choice of weights of a generation (reading 11), and
+//! what it costs.
 //!
 //! From the present state the flocking law is applied again at every control period, the vehicle flying the exact
 //! discretisation of Eq. 1, while the neighbours follow their forecast. On the way the flight collects the costs of
-//! Eq. 11 and 12, averaged over the horizon, and the metres by which it falls short of the two constraints at the closest
-//! approach within every half control period. With a horizon of one control period this is the letter of the paper.
+//! Eq. 11 and 12, averaged over the horizon, and the metres by which it falls short of the two constraints at the
+//! closest approach within every half control period. With a horizon of one control period this is the letter of the
+//! paper.
 
 use crate::command::Commander;
 use crate::forecast::Passage;

@@ -141,14 +141,23 @@ proptest! {
         let heading = course_vector(state.course_rad);
         let detected = obstacles.iter().any(|o| terms::detects(&law, state.position_m(), heading, o));
         let scene = Scene {
-            state, expected: EXPECTED, obstacles: &obstacles, close_obstacles: &obstacles, detected, neighbours: &neighbours,
+            state,
+            expected: EXPECTED,
+            obstacles: &obstacles,
+            close_obstacles: &obstacles,
+            detected,
+            neighbours: &neighbours,
         };
         let columns: Vec<f64> = (0..3).flat_map(|term| weights.iter().map(move |row| row[term])).collect();
         let (mut costs, mut violations) = (vec![0.0; 2 * weights.len()], vec![0.0; weights.len()]);
         let bounds = [Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0), Bounds::new(0.0, 3.0)];
         let mut rollout = Box::new(Rollout::new());
         let mut problem = WeightProblem {
-            look_ahead: &look_ahead, scene: scene.clone(), kind: WeightKind::PerTerm, bounds: &bounds, rollout: &mut rollout,
+            look_ahead: &look_ahead,
+            scene: scene.clone(),
+            kind: WeightKind::PerTerm,
+            bounds: &bounds,
+            rollout: &mut rollout,
         };
         problem.evaluate(
             &Candidates::new(&columns, weights.len()),
@@ -161,8 +170,9 @@ proptest! {
             };
             // Inside D_s the collision term multiplies rounding by 1e5.
             let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * (1.0 + b.abs());
+            let costs_agree = near(got.cost_1, wanted.cost_1) && near(got.cost_2, wanted.cost_2);
             prop_assert!(
-                near(got.cost_1, wanted.cost_1) && near(got.cost_2, wanted.cost_2) && near(got.violation_m, wanted.violation_m),
+                costs_agree && near(got.violation_m, wanted.violation_m),
                 "pigeon {pigeon} {weights:?}: {got:?} instead of {wanted:?}"
             );
         }

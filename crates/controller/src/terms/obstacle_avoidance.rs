@@ -44,8 +44,8 @@ pub fn avoidance_course(
     nearest.map_or(ahead, |(_, obstacle)| tangent(law, position_m, heading, obstacle))
 }
 
-/// Whether the obstacle, inflated by the margin, reaches into the corridor that starts at the vehicle and runs along the
-/// expected course.
+/// Whether the obstacle, inflated by the margin, reaches into the corridor that starts at the vehicle and runs along
+/// the expected course.
 fn blocks(law: &LawSettings, ahead: Vector2<f64>, position_m: Vector2<f64>, obstacle: &Obstacle) -> bool {
     let offset = obstacle.centre_m() - position_m;
     offset.dot(&ahead) > 0.0 && ahead.perp(&offset).abs() < obstacle.radius_m + law.obstacle_margin_m
@@ -64,8 +64,8 @@ fn tangent(law: &LawSettings, position_m: Vector2<f64>, heading: Vector2<f64>, o
     if right.dot(&heading) >= left.dot(&heading) { right } else { left }
 }
 
-/// Sine and cosine of the angle at the vehicle between the centre of an inflated circle and its tangent. Inside, beyond a
-/// right angle, by up to 45 degrees where the edge itself is reached.
+/// Sine and cosine of the angle at the vehicle between the centre of an inflated circle and its tangent. Inside, beyond
+/// a right angle, by up to 45 degrees where the edge itself is reached.
 #[inline(always)]
 pub(crate) fn half_angle(distance_m: f64, inflated_m: f64, margin_m: f64) -> (f64, f64) {
     let inside = distance_m < inflated_m;

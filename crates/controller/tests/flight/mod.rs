@@ -14,7 +14,8 @@ use std::time::Duration;
 /// The least gap between circles, m.
 const GAP_M: f64 = 14.0;
 
-/// 7 to 14 circles of 4 to 14 m, and vehicles at random before them, at least 5 m apart and up to 45 degrees off course.
+/// 7 to 14 circles of 4 to 14 m, and vehicles at random before them, at least 5 m apart and up to 45 degrees off
+/// course.
 pub fn field(seed: u64, vehicles: usize) -> (FlockSettings, Vec<State>) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let count = rng.random_range(7..=14);

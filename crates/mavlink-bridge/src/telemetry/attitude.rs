@@ -1,6 +1,6 @@
 //! ATTITUDE and VFR_HUD.
 
-// Clients still ask for what the dialect calls superseded.
+// Clients still request messages that the dialect marks as superseded.
 #![allow(deprecated)]
 
 use super::heading_cdeg;

@@ -1,6 +1,6 @@
-//! What an autopilot says of itself when it is asked: AUTOPILOT_VERSION, PROTOCOL_VERSION and EXTENDED_SYS_STATE.
+//! AUTOPILOT_VERSION, PROTOCOL_VERSION and EXTENDED_SYS_STATE.
 
-// Clients still ask for what the dialect calls superseded.
+// Clients still request messages that the dialect marks as superseded.
 #![allow(deprecated)]
 
 use crate::dialect::{
@@ -8,8 +8,8 @@ use crate::dialect::{
     PROTOCOL_VERSION_DATA,
 };
 
-/// AUTOPILOT_VERSION: a released version of the flight software, what it can do, and a number that tells one vehicle from
-/// another (<https://mavlink.io/en/messages/common.html#AUTOPILOT_VERSION>).
+/// AUTOPILOT_VERSION: a released version of the flight software, what it can do, and a number that tells one vehicle
+/// from another (<https://mavlink.io/en/messages/common.html#AUTOPILOT_VERSION>).
 pub fn autopilot_version([major, minor, patch]: [u8; 3], capabilities: MavProtocolCapability, uid: u64) -> Message {
     const RELEASED: u8 = 255;
     Message::AUTOPILOT_VERSION(AUTOPILOT_VERSION_DATA {
@@ -20,7 +20,7 @@ pub fn autopilot_version([major, minor, patch]: [u8; 3], capabilities: MavProtoc
     })
 }
 
-/// PROTOCOL_VERSION: MAVLink 2, and MAVLink 1 for those who speak it
+/// PROTOCOL_VERSION: MAVLink 2, and MAVLink 1 for peers that speak it
 /// (<https://mavlink.io/en/messages/common.html#PROTOCOL_VERSION>).
 pub fn protocol_version() -> Message {
     Message::PROTOCOL_VERSION(PROTOCOL_VERSION_DATA {

@@ -1,6 +1,6 @@
 //! Positions on the globe: GLOBAL_POSITION_INT, GPS_RAW_INT and GPS_GLOBAL_ORIGIN.
 
-// Clients still ask for what the dialect calls superseded.
+// Clients still request messages that the dialect marks as superseded.
 #![allow(deprecated)]
 
 use super::heading_cdeg;
@@ -48,8 +48,8 @@ pub fn gps_global_origin(time_boot: Duration, origin: &Geodetic) -> Message {
 }
 
 /// GPS_RAW_INT of a receiver that measures `state`, heights above the ellipsoid as above the sea
-/// (<https://mavlink.io/en/messages/common.html#GPS_RAW_INT>). Without a fix the place is the last one, and what cannot be
-/// known says so.
+/// (<https://mavlink.io/en/messages/common.html#GPS_RAW_INT>). Without a fix the place is the last one, and what cannot
+/// be known says so.
 pub fn gps_raw_int(time_boot: Duration, state: &State, frame: &LocalFrame, has_fix: bool, satellites: u8) -> Message {
     let place = frame.to_geodetic(state.x_m, state.y_m, state.altitude_m);
     let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);

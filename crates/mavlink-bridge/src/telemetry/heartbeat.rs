@@ -1,6 +1,6 @@
 //! HEARTBEAT.
 
-// Clients still ask for what the dialect calls superseded.
+// Clients still request messages that the dialect marks as superseded.
 #![allow(deprecated)]
 
 use crate::dialect::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType, Message};

@@ -1,5 +1,5 @@
 //! LOCAL_POSITION_NED and back: positions and velocities travel as `f32`, north-east-down from the local origin.
-//! [`wire_round`] gives what is left of a state after that journey.
+//! [`wire_round`] gives the state that arrives.
 
 use super::{down, up};
 use crate::boot_ms;
@@ -29,8 +29,8 @@ pub fn state_from_local_position(position: &LOCAL_POSITION_NED_DATA) -> State {
     }
 }
 
-/// Exactly what [`state_from_local_position`] makes of [`local_position_ned`]: a run in memory rounds with it, to have
-/// the same bits as a run over the wire. Twice is the same as once.
+/// The state that [`state_from_local_position`] reads from [`local_position_ned`]: a run in memory rounds with it, to
+/// have the same bits as a run over the wire. Rounding twice is the same as once.
 pub fn wire_round(state: &State) -> State {
     state_from_local_position(&local_position_data(0, state))
 }

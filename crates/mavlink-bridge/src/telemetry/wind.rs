@@ -1,6 +1,6 @@
 //! WIND_COV.
 
-// Clients still ask for what the dialect calls superseded.
+// Clients still request messages that the dialect marks as superseded.
 #![allow(deprecated)]
 
 use super::down;
@@ -8,8 +8,8 @@ use crate::dialect::{Message, WIND_COV_DATA};
 use flight_model::Wind;
 use std::time::Duration;
 
-/// WIND_COV (<https://mavlink.io/en/messages/common.html#WIND_COV>): the velocity of the air, north-east-down, its spread in
-/// m/s, and the altitude in m at which it was measured.
+/// WIND_COV (<https://mavlink.io/en/messages/common.html#WIND_COV>): the velocity of the air, north-east-down, its
+/// spread in m/s, and the altitude in m at which it was measured.
 pub fn wind_cov(time_boot: Duration, wind: &Wind, deviation_mps: f64, altitude_amsl_m: f64) -> Message {
     Message::WIND_COV(WIND_COV_DATA {
         time_usec: u64::try_from(time_boot.as_micros()).unwrap_or(u64::MAX),
