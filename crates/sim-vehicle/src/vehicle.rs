@@ -81,6 +81,8 @@ pub struct Vehicle {
     /// What a client has set SIM_SPEEDUP to, until the host takes it.
     pub(crate) speedup_wanted: Option<f64>,
     pub(crate) counters: VehicleCounters,
+    /// What it was told before it flew, for a reset.
+    pub(crate) at_start: Arc<VehicleSettings>,
     wire: Counters,
 }
 
@@ -111,6 +113,7 @@ impl Vehicle {
     }
 
     fn start(mut settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        let at_start = Arc::new(settings.clone());
         shape_limits(&mut settings);
         let parameters = Parameters::new(&settings);
         let mut vehicle = Self {
@@ -143,6 +146,7 @@ impl Vehicle {
             px4: px4::State::default(),
             speedup_wanted: None,
             counters: VehicleCounters::default(),
+            at_start,
             wire: Counters::default(),
             settings,
         };
@@ -207,6 +211,20 @@ impl Vehicle {
     /// A peer that has connected is gone.
     pub fn disconnect(&mut self, peer: PeerId) {
         self.links.disconnect(peer);
+    }
+
+    /// Becomes another vehicle; only its lines, its clock and what it has counted are still its own.
+    pub(crate) fn begin_anew(&mut self, fresh: Self) {
+        let old = std::mem::replace(self, fresh);
+        self.time = old.time;
+        self.host_now = old.host_now;
+        self.pace = old.pace;
+        (self.ids, self.place) = (old.ids, old.place);
+        self.at_start = old.at_start;
+        self.counters = old.counters;
+        self.wire = old.wire;
+        let fresh = std::mem::replace(&mut self.links, old.links);
+        self.links.begin_anew(&fresh, self.time);
     }
 
     /// How fast its clock is to run, if a client has set SIM_SPEEDUP since this was last asked: the host's, and so that of all

@@ -148,6 +148,14 @@ impl Links {
         self.find_next_due();
     }
 
+    /// Every link is one of another vehicle, as it starts.
+    pub fn begin_anew(&mut self, fresh: &Self, time: Duration) {
+        self.settings.clone_from(&fresh.settings);
+        self.loss = fresh.loss;
+        self.set_system_id(fresh.settings.system_id);
+        self.restart(time);
+    }
+
     /// Every link has the default rates again.
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {

@@ -10,6 +10,7 @@
 mod message_requests;
 mod preflight;
 mod reposition;
+mod reset;
 
 use crate::firmware::Personality;
 use crate::mode::Mode;
@@ -148,6 +149,7 @@ impl Vehicle {
                 self.calibrate([p1, p3])
             }
             MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => self.reboot(p1),
+            MavCmd::MAV_CMD_USER_1 => self.reset([p1, p2]),
             MavCmd::MAV_CMD_DO_SET_HOME => self.do_set_home(command),
             MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
             MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.enter(Mode::Loiter),
