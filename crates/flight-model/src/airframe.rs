@@ -78,7 +78,12 @@ mod tests {
     use crate::{Autopilot, Setpoint, State, wrap_pi};
 
     /// Time until a step is done to a share, s.
-    fn time_to(airframe: &Airframe, share: f64, setpoint: impl Fn(&State) -> Setpoint, done: impl Fn(&State) -> f64) -> f64 {
+    fn time_to(
+        airframe: &Airframe,
+        share: f64,
+        setpoint: impl Fn(&State) -> Setpoint,
+        done: impl Fn(&State) -> f64,
+    ) -> f64 {
         let autopilot = Autopilot::new(&airframe.dynamics, 0.01);
         let start = State { altitude_m: 100.0, speed_mps: airframe.cruise_speed_mps, ..State::default() };
         let setpoint = setpoint(&start);
@@ -126,7 +131,8 @@ mod tests {
         for airframe in [Airframe::paper(), Airframe::plane(), Airframe::px4_plane()] {
             let limits = airframe.dynamics.limits;
             assert!((limits.speed_min_mps..=limits.speed_max_mps).contains(&airframe.cruise_speed_mps));
-            let tightest_m = airframe.cruise_speed_mps * airframe.cruise_speed_mps / limits.lateral_acceleration_max_mps2();
+            let tightest_m =
+                airframe.cruise_speed_mps * airframe.cruise_speed_mps / limits.lateral_acceleration_max_mps2();
             assert!(airframe.loiter_radius_m > tightest_m);
         }
     }

@@ -117,7 +117,8 @@ fn named(name: &str, personality: Personality) -> Option<Airframe> {
 
 fn read(path: &Path, name: &str) -> Result<AirframeTable, String> {
     let text = std::fs::read_to_string(path).map_err(|error| {
-        let what = if error.kind() == std::io::ErrorKind::NotFound { "file not found".to_owned() } else { error.to_string() };
+        let what =
+            if error.kind() == std::io::ErrorKind::NotFound { "file not found".to_owned() } else { error.to_string() };
         format!("airframe {name:?}: {what}: must be \"{PAPER}\", \"{PLANE}\" or a file with a table [airframe]")
     })?;
     toml_edit::de::from_str::<AirframeFile>(&text).map(|file| file.airframe).map_err(|error| {
@@ -143,8 +144,7 @@ pub fn toml(airframe: &Airframe) -> String {
         ("lateral_overload_max", lateral_overload_max),
         ("gravity_mps2", gravity_mps2),
     ];
-    let autopilot =
-        [("cruise_speed_mps", airframe.cruise_speed_mps), ("loiter_radius_m", airframe.loiter_radius_m)];
+    let autopilot = [("cruise_speed_mps", airframe.cruise_speed_mps), ("loiter_radius_m", airframe.loiter_radius_m)];
     let lines = |table: &str, values: &[(&str, f64)]| {
         let lines: String = values.iter().map(|(key, value)| format!("{key} = {value:?}\n")).collect();
         format!("[{table}]\n{lines}")
@@ -169,7 +169,8 @@ impl<'de> Deserialize<'de> for AirframeKey {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<AirframeKey, A::Error> {
-                AirframeTable::deserialize(MapAccessDeserializer::new(map)).map(|table| AirframeKey::Table(Box::new(table)))
+                AirframeTable::deserialize(MapAccessDeserializer::new(map))
+                    .map(|table| AirframeKey::Table(Box::new(table)))
             }
         }
 

@@ -23,8 +23,8 @@ mod scenario;
 mod source;
 mod swarm;
 
-pub use contender::{Contender, Entry, read_contenders, refuse_reserved};
 pub use airframe::PLANE;
+pub use contender::{Contender, Entry, read_contenders, refuse_reserved};
 pub use file::{Pattern, Preset, SetpointDialect};
 pub use layer::Layer;
 pub use provenance::Provenance;

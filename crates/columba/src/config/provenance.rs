@@ -3,9 +3,9 @@
 //! From the lowest to the topmost: a preset, the scenario file, and what is laid over that, in order. A setting has the
 //! value of the topmost layer that has it; a key that no layer has is a default.
 
+use super::airframe::{self, AirframeKey};
 use super::diagnostics;
 use super::fault::{Fault, Faults, Subject};
-use super::airframe::{self, AirframeKey};
 use super::file::{Preset, ScenarioFile};
 use super::flags;
 use super::layer::{self, Found, Layer, Origin};
@@ -47,9 +47,10 @@ impl Provenance {
         let layer = |toml: &str| Layer::of_preset(&format!("airframe {}", flown.as_ref()?.0), toml).ok();
         let base = flown.as_ref().and_then(|(_, airframe)| layer(&airframe::toml(airframe)));
         // The paper's speed is no other airframe's.
-        let speed = flown.as_ref().filter(|_| name == super::PAPER_NAME).and_then(|(_, airframe)| {
-            layer(&format!("flock.expected_speed_mps = {:?}", airframe.cruise_speed_mps))
-        });
+        let speed = flown
+            .as_ref()
+            .filter(|_| name == super::PAPER_NAME)
+            .and_then(|(_, airframe)| layer(&format!("flock.expected_speed_mps = {:?}", airframe.cruise_speed_mps)));
         let below: Vec<Layer> = provenance.preset().into_iter().chain(base).collect();
         let file = below.len();
         let (own, over) = provenance.layers.split_at(1);

@@ -101,12 +101,5 @@ pub fn unix_us() -> u64 {
 /// The host of a scenario's vehicles.
 pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: LinkSettings) -> HostSettings {
     let vehicles_per_port = scenario.link.vehicles_per_port;
-    HostSettings {
-        bind: scenario.link.host,
-        base_port,
-        vehicles_per_port,
-        clock,
-        link,
-        ..HostSettings::default()
-    }
+    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port, clock, link, ..HostSettings::default() }
 }

@@ -236,7 +236,10 @@ mod tests {
     fn a_host_that_is_late_lets_time_slip_once_for_all() {
         let time = RealTime::new(10.0);
         let [soon, late] = [100, 2000].map(Duration::from_millis);
-        assert_eq!((time.until(soon, Duration::ZERO), time.reached_and_asked(soon)), (Duration::from_secs(1), (10.0, 10.0)));
+        assert_eq!(
+            (time.until(soon, Duration::ZERO), time.reached_and_asked(soon)),
+            (Duration::from_secs(1), (10.0, 10.0))
+        );
         for _ in 0..3 {
             assert_eq!(time.until(late, Duration::from_secs(1)), Duration::from_millis(3500));
         }

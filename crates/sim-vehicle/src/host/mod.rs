@@ -9,9 +9,9 @@ mod tcp;
 
 use crate::counters::VehicleCounters;
 use crate::host::clock::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
+use crate::host::endpoint::{Endpoint, EndpointReport, Shell, stopped};
 use crate::host::layout::PortLayout;
 use crate::host::lines::{Lines, Protocol};
-use crate::host::endpoint::{Endpoint, EndpointReport, Shell, stopped};
 use crate::parameters::file::{self, ParameterFileError};
 use crate::protocol::mission as plans;
 use crate::protocol::parameter::Pace;

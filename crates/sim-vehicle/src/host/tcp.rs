@@ -47,8 +47,7 @@ impl TcpServer {
     /// Listens at every address. Must be called within a Tokio runtime.
     pub fn bind(addresses: &[SocketAddr]) -> Result<Self, HostError> {
         let (sender, events) = mpsc::channel(EVENTS_MAX);
-        let mut server =
-            Self { addresses: Vec::new(), clients: HashMap::new(), events, tasks: JoinSet::new() };
+        let mut server = Self { addresses: Vec::new(), clients: HashMap::new(), events, tasks: JoinSet::new() };
         for &address in addresses {
             let listener = listen(address).map_err(|source| HostError::Tcp { address, source })?;
             server.addresses.push(listener.local_addr().map_err(|source| HostError::Tcp { address, source })?);
