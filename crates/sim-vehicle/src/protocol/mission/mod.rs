@@ -87,7 +87,7 @@ impl PlanKind {
     }
 
     /// The parameter that counts its items.
-    fn total(self) -> Parameter {
+    pub(crate) fn total(self) -> Parameter {
         match self {
             Self::Mission => Parameter::MissionTotal,
             Self::Fence => Parameter::FenceTotal,
