@@ -1,11 +1,12 @@
-//! The command protocol on the wire (<https://mavlink.io/en/services/command.html>): COMMAND_INT and COMMAND_LONG.
+//! The command protocol on the wire (<https://mavlink.io/en/services/command.html>): COMMAND_INT, COMMAND_LONG and
+//! COMMAND_ACK.
 //!
 //! A command is read from the frame itself: a number that is not in the dialect gives no message, yet its sender waits
 //! for an acknowledgement.
 
 use crate::coordinates::{LatLonE7, mav_frame};
-use crate::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame};
-use crate::{Frame, Target};
+use crate::dialect::{COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavResult};
+use crate::{Encoder, Frame, Target};
 use mavlink::MessageData;
 
 /// A command, numbers as on the wire.
@@ -65,12 +66,22 @@ pub(crate) fn command(frame: &Frame<'_>) -> Option<(Target, Command)> {
     Some((frame.target_at(30), command))
 }
 
+impl Encoder {
+    /// Appends a COMMAND_ACK for a command by its number, which the dialect need not know
+    /// (<https://mavlink.io/en/messages/common.html#COMMAND_ACK>).
+    pub fn encode_command_ack(&mut self, command: u16, result: MavResult, target: Target, out: &mut Vec<u8>) {
+        let [low, high] = command.to_le_bytes();
+        let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
+        self.write_fields(COMMAND_ACK_DATA::ID, &fields, 3, out);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dialect::{MavResult, Message};
+    use crate::dialect::Message;
     use crate::telemetry::ground_heartbeat;
-    use crate::{Counters, Encoder, FrameError, Version, frames};
+    use crate::{Counters, FrameError, Version, frames};
     use proptest::prelude::*;
 
     fn only_frame(bytes: &[u8]) -> Frame<'_> {
@@ -162,7 +173,6 @@ mod tests {
         fn an_answer_by_number_is_what_the_dialect_would_write(
             system in any::<u8>(), component in any::<u8>(), v1 in any::<bool>(),
         ) {
-            use crate::dialect::COMMAND_ACK_DATA;
             let version = if v1 { Version::V1 } else { Version::V2 };
             let target = Target { system_id: system, component_id: component };
             let ack = Message::COMMAND_ACK(COMMAND_ACK_DATA {

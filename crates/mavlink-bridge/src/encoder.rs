@@ -1,9 +1,9 @@
 //! From messages to frames.
 
-use crate::dialect::{COMMAND_ACK_DATA, DialectMessage, MISSION_ACK_DATA, MavMissionResult, MavResult, Message};
+use crate::Version;
+use crate::dialect::{DialectMessage, Message};
 use crate::frame::{CHECKSUM, V1_HEADER, V1_START, V2_HEADER, V2_START, checksum, checksum_extra};
-use crate::{Target, Version};
-use mavlink::{MavlinkVersion, MessageData};
+use mavlink::MavlinkVersion;
 
 /// Writes the frames of one sender, and counts their sequence number.
 ///
@@ -50,27 +50,6 @@ impl Encoder {
     /// Appends `message` to `out` as one frame.
     pub fn encode(&mut self, message: &Message, out: &mut Vec<u8>) {
         self.write_frame(message.message_id(), out, |version, payload| message.ser(version, payload));
-    }
-
-    /// Appends a COMMAND_ACK for a command by its number, which the dialect need not know
-    /// (<https://mavlink.io/en/messages/common.html#COMMAND_ACK>).
-    pub fn encode_command_ack(&mut self, command: u16, result: MavResult, target: Target, out: &mut Vec<u8>) {
-        let [low, high] = command.to_le_bytes();
-        let fields = [low, high, result as u8, 0, 0, 0, 0, 0, target.system_id, target.component_id];
-        self.write_fields(COMMAND_ACK_DATA::ID, &fields, 3, out);
-    }
-
-    /// Appends a MISSION_ACK for a type of plan by its number, which the dialect need not know
-    /// (<https://mavlink.io/en/messages/common.html#MISSION_ACK>).
-    pub fn encode_mission_ack(
-        &mut self,
-        mission_type: u8,
-        result: MavMissionResult,
-        target: Target,
-        out: &mut Vec<u8>,
-    ) {
-        let fields = [target.system_id, target.component_id, result as u8, mission_type];
-        self.write_fields(MISSION_ACK_DATA::ID, &fields, 3, out);
     }
 
     /// Appends a frame from the bytes of its fields, of which MAVLink 1 has the first `v1_length`.

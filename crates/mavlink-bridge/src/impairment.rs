@@ -45,8 +45,8 @@ pub const HOLD_MAX: Duration = Duration::from_millis(100);
 pub const UNDER_WAY_MAX: usize = 65_536;
 
 impl ImpairmentSettings {
-    /// Greatest share of datagrams lost, duplicated or reordered in a flight: over a link that loses everything, a flight
-    /// would wait for ever.
+    /// Greatest share of datagrams lost, duplicated or reordered in a flight: over a link that loses everything, a
+    /// flight would wait for ever.
     pub const SHARE_MAX: f64 = 0.95;
     /// Greatest delay and jitter, ms.
     const DELAY_MAX_MS: f64 = 60_000.0;

@@ -1,4 +1,5 @@
-//! The mission protocol on the wire (<https://mavlink.io/en/services/mission.html>).
+//! The mission protocol on the wire (<https://mavlink.io/en/services/mission.html>): the items of missions, geofences
+//! and rally points.
 //!
 //! Messages are read from the frame itself: an item with a command or a frame that the dialect does not know must be
 //! answered with a refusal, or its sender waits for a time-out.
@@ -10,7 +11,7 @@ use crate::coordinates::{AltitudeDatum, LatLonE7};
 use crate::dialect::{
     MISSION_ACK_DATA, MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_ITEM_DATA, MISSION_ITEM_INT_DATA,
     MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MISSION_REQUEST_LIST_DATA, MISSION_SET_CURRENT_DATA,
-    MISSION_WRITE_PARTIAL_LIST_DATA,
+    MISSION_WRITE_PARTIAL_LIST_DATA, MavMissionResult,
 };
 use crate::{Encoder, Frame, Target};
 use mavlink::MessageData;
@@ -159,6 +160,19 @@ fn item(frame: &Frame<'_>, kind: ItemKind) -> PlanMessage {
 }
 
 impl Encoder {
+    /// Appends a MISSION_ACK for a type of plan by its number, which the dialect need not know
+    /// (<https://mavlink.io/en/messages/common.html#MISSION_ACK>).
+    pub fn encode_mission_ack(
+        &mut self,
+        mission_type: u8,
+        result: MavMissionResult,
+        target: Target,
+        out: &mut Vec<u8>,
+    ) {
+        let fields = [target.system_id, target.component_id, result as u8, mission_type];
+        self.write_fields(MISSION_ACK_DATA::ID, &fields, 3, out);
+    }
+
     /// Appends an item of a plan as MISSION_ITEM_INT or MISSION_ITEM.
     pub fn encode_plan_item(&mut self, message: &PlanItemMessage<'_>, out: &mut Vec<u8>) {
         let PlanItemMessage { mission_type, seq, item, is_current, kind, to } = *message;

@@ -31,13 +31,29 @@ impl Problem for Truss {
         let (sections, heights) = (candidates.coordinate(0), candidates.coordinate(1));
         let ([mass_kg, deflection_mm], violation) = evaluations.objectives_and_violation();
         for (i, (section_cm2, height_m)) in sections.iter().zip(heights).enumerate() {
-            let bar_m = (1.0 + height_m * height_m).sqrt();
-            let force_kn = 0.5 * LOAD_KN * bar_m / height_m;
-            let stress = force_kn / section_cm2;
-            mass_kg[i] = 2.0 * bar_m * section_cm2 * DENSITY_KGPM_PER_CM2;
-            deflection_mm[i] = 1e3 * stress / ELASTICITY_KNPCM2 * bar_m * bar_m / height_m;
+            let truss = Performance::of(*section_cm2, *height_m);
+            (mass_kg[i], deflection_mm[i]) = (truss.mass_kg, truss.deflection_mm);
             // 0 is feasible; what is too much counts, in the unit of the constraint.
-            violation[i] = (stress - STRESS_MAX_KNPCM2).max(0.0);
+            violation[i] = (truss.stress_knpcm2 - STRESS_MAX_KNPCM2).max(0.0);
+        }
+    }
+}
+
+/// What a truss weighs and how it bears the load.
+struct Performance {
+    mass_kg: f64,
+    deflection_mm: f64,
+    stress_knpcm2: f64,
+}
+
+impl Performance {
+    fn of(section_cm2: f64, height_m: f64) -> Self {
+        let bar_m = (1.0 + height_m * height_m).sqrt();
+        let stress_knpcm2 = 0.5 * LOAD_KN * bar_m / height_m / section_cm2;
+        Self {
+            mass_kg: 2.0 * bar_m * section_cm2 * DENSITY_KGPM_PER_CM2,
+            deflection_mm: 1e3 * stress_knpcm2 / ELASTICITY_KNPCM2 * bar_m * bar_m / height_m,
+            stress_knpcm2,
         }
     }
 }
@@ -51,18 +67,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut optimizer = settings.build()?;
         let front = optimizer.minimise(&mut problem, &mut stream(1, 0, 0))?;
 
-        // How much of the box below (100 kg, 5 mm) the front dominates, and its member nearest to the ideal.
-        let dominated = hypervolume(&rows(&front), &[100.0, 5.0])?;
+        // How much of the box below (100 kg, 5 mm) the front dominates. SL-PIO minimises the sum of the objectives: its
+        // front has one column.
+        let dominated = if front.objectives() == 2 {
+            format!("{:.1}", hypervolume(&rows(&front), &[100.0, 5.0])?)
+        } else {
+            "-".to_owned()
+        };
         let best = nearest_to_ideal(&front);
+        let (section_cm2, height_m) = (front.position(best, 0), front.position(best, 1));
+        let Performance { mass_kg, deflection_mm, .. } = Performance::of(section_cm2, height_m);
+        let (name, members) = (algorithm.key(), front.len());
         println!(
-            "{:<9}   {:>5}   {:>11.1}   {:>12.1}   {:>9.2}   {:>8.1}   {:>14.2}",
-            algorithm.key(),
-            front.len(),
-            dominated,
-            front.position(best, 0),
-            front.position(best, 1),
-            front.objective(0)[best],
-            front.objective(1)[best],
+            "{name:<9}   {members:>5}   {dominated:>11}   {section_cm2:>12.1}   {height_m:>9.2}   {mass_kg:>8.1}   \
+             {deflection_mm:>14.2}"
         );
     }
     Ok(())
