@@ -21,9 +21,6 @@ pub struct ScenarioFile {
     /// What the law, the weights and the look-ahead start from.
     #[serde(default)]
     pub preset: Preset,
-    /// What the dynamics start from; the paper's where absent.
-    #[serde(default)]
-    pub airframe: Option<AirframeKey>,
     /// What is flown, and for how long.
     pub scenario: ScenarioTable,
     /// What the flock is to settle on.
@@ -50,6 +47,9 @@ pub struct ScenarioFile {
     /// Who picks the weights.
     #[serde(default)]
     pub optimizer: OptimizerSettings,
+    /// What the dynamics start from; the paper's where absent.
+    #[serde(default)]
+    pub airframe: Option<AirframeKey>,
     /// How vehicles fly (Eq. 1 and 3).
     #[serde(default)]
     pub dynamics: DynamicsTable,
