@@ -154,7 +154,7 @@ const FLAGS: &[Flag] = &[
         kind: Kind::Text,
         value: "NAME|FILE",
         help: "What the vehicles fly like: plane (the stock plane of the simulated autopilot), paper (5 to 15 m/s), or a file \
-               with a table [airframe]. Default: paper with a scenario and for the paper's five, else plane",
+               with a table [airframe]. Default: paper with a scenario, in lockstep and for the paper's five; plane otherwise",
         commands: &[VEHICLES],
         ..FLAG
     },
