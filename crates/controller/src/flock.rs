@@ -4,7 +4,7 @@ use crate::command::Commander;
 use crate::forecast::{Forecast, LawContext};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
-use crate::{Decision, FlockSettings, ForecastKind};
+use crate::{Decision, FlockSettings, ForecastKind, Obstacle};
 use flight_model::{Autopilot, State};
 use rayon::prelude::*;
 use std::time::Duration;
@@ -39,6 +39,11 @@ impl Flock {
             // Before the first solve the forecast flies the law with all weights one.
             decisions: vec![Decision { weights: [1.0; 3], ..Decision::default() }; vehicles],
         })
+    }
+
+    /// Replaces the obstacles: those that move are given anew before each tick.
+    pub fn set_obstacles(&mut self, obstacles: Vec<Obstacle>) {
+        self.settings.obstacles = obstacles;
     }
 
     /// Algorithm 2 for one control period: a decision for each vehicle, in the order of `states`.
