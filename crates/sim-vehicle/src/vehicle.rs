@@ -194,8 +194,7 @@ impl Vehicle {
     fn reset(&mut self, kept: Kept) {
         let mut settings = (*self.at_start).clone();
         if kept == Kept::Stored {
-            settings.kept_parameters =
-                self.set_parameters().map(|(name, value)| (name.to_owned(), value)).collect();
+            settings.kept_parameters = self.set_parameters().map(|(name, value)| (name.to_owned(), value)).collect();
             let [mission, fence, rally] = PlanKind::ALL.map(|kind| self.plan(kind).to_vec());
             settings.plans = Plans { mission, fence, rally };
         }

@@ -16,8 +16,8 @@ use crate::lockstep::Lockstep;
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
 use command::preflight;
-use command::reset;
 use command::request::Command;
+use command::reset;
 use mavlink_bridge::dialect::{
     MavCmd, MavModeFlag, MavResult, MavType, Message, PING_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_MODE_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
