@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod fly;
+mod manual;
 mod recover;
 mod run;
 mod suites;
@@ -12,6 +13,7 @@ mod vehicles;
 pub use check::check;
 pub use compare::compare;
 pub use fly::fly;
+pub use manual::{completions, man};
 pub use recover::recover;
 pub use run::run;
 pub use suites::suites;
@@ -134,10 +136,10 @@ fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
     let needed = flying::sockets(scenario) as u64 + OTHERS;
     match rlimit::increase_nofile_limit(needed) {
         Ok(allowed) if allowed < needed => Err(anyhow!(
-            "{} vehicles need {} ports, and the system allows {allowed} open files: must be at least {needed} \
+            "{} need {}, and the system allows {allowed} open files: must be at least {needed} \
              (ulimit -n {needed}), or fewer ports (--per-port N)",
-            scenario.starts.len(),
-            flying::sockets(scenario)
+            counted(scenario.starts.len(), "vehicle"),
+            counted(flying::sockets(scenario), "port")
         )),
         // Where there is no such limit, or none can be found out, the ports will tell.
         _ => Ok(()),
@@ -261,10 +263,12 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
         metres(summary.min_separation_m),
         metres(summary.min_clearance_m)
     ));
+    let past = match summary.obstacles {
+        0 => String::new(),
+        _ => format!("past the last obstacle: {} of {}; ", summary.passed_last_obstacle, summary.vehicles),
+    };
     print_line(format_args!(
-        "  past the last obstacle: {} of {}; speed converged {}, course {}, altitude {}",
-        summary.passed_last_obstacle,
-        summary.vehicles,
+        "  {past}speed converged {}, course {}, altitude {}",
         seconds(summary.speed_convergence_s),
         seconds(summary.course_convergence_s),
         seconds(summary.altitude_settling_s)

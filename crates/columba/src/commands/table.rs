@@ -1,6 +1,6 @@
 //! Who is where on which port: the table that `columba vehicles` prints. docs/mavlink.md describes every field.
 
-use crate::flying::network;
+use crate::flying::{network, reachable};
 use flight_model::Geodetic;
 use serde::Serialize;
 use sim_vehicle::{Host, Mode, Protocol, Vehicle};
@@ -83,11 +83,7 @@ impl Table {
         }
         let unasked = self.ground.map(|address| format!("{address} and to ")).unwrap_or_default();
         let next = self.ground.filter(|_| networks > 1).map(|_| ", the port after it for the next network");
-        let _ = writeln!(
-            words,
-            "telemetry to {unasked}whoever speaks to a vehicle{}; Ctrl-C ends",
-            next.unwrap_or_default()
-        );
+        let _ = writeln!(words, "telemetry to {unasked}clients that connect{}; Ctrl-C ends", next.unwrap_or_default());
         words
     }
 }
@@ -103,6 +99,7 @@ impl Row {
 
     fn of(index: usize, vehicle: &Vehicle, address: SocketAddr, lines: Vec<(Protocol, SocketAddr)>) -> Self {
         let (settings, start) = (vehicle.settings(), vehicle.state());
+        let address = reachable(address);
         let Geodetic { latitude_deg, longitude_deg, altitude_amsl_m } =
             settings.frame.to_geodetic(start.x_m, start.y_m, start.altitude_m);
         Self {
@@ -113,7 +110,10 @@ impl Row {
             address,
             host: address.ip(),
             port: address.port(),
-            links: lines.into_iter().map(|(protocol, address)| Line { protocol, address }).collect(),
+            links: lines
+                .into_iter()
+                .map(|(protocol, address)| Line { protocol, address: reachable(address) })
+                .collect(),
             ground: settings.ground,
             mode: vehicle.mode(),
             armed: vehicle.is_armed(),

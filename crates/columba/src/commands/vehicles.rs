@@ -89,7 +89,7 @@ fn with_planes(flags: &[Layer]) -> Vec<Layer> {
 fn ground(scenario: &Scenario, vehicle: usize) -> Option<SocketAddr> {
     let first = scenario.link.ground_port.unwrap_or(GROUND_PORT);
     let port = u16::try_from(usize::from(first) + flying::network(vehicle) - 1).ok()?;
-    (first > 0).then(|| SocketAddr::new(scenario.link.host, port))
+    (first > 0).then(|| flying::reachable(SocketAddr::new(scenario.link.host, port)))
 }
 
 /// Vehicles that listened where telemetry goes would hear each other instead of a ground station.

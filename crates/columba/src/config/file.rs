@@ -4,6 +4,7 @@ use super::airframe::AirframeKey;
 use super::obstacles::{ObstacleTable, ObstaclesTable};
 use super::parameters::ParametersTable;
 use super::swarm::Place;
+use crate::flying::GroundSettings;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use flight_model::{Dynamics, Limits, RangeError, TimeConstants};
 use mavlink_bridge::{ImpairmentSettings, MulticastScope};
@@ -62,6 +63,9 @@ pub struct ScenarioFile {
     /// The link.
     #[serde(default)]
     pub link: LinkTable,
+    /// How the ground station waits for vehicles.
+    #[serde(default)]
+    pub ground: GroundSettings,
     /// Where a run is written.
     #[serde(default)]
     pub output: OutputTable,

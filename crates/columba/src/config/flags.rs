@@ -279,6 +279,14 @@ const FLAGS: &[Flag] = &[
         ..FLAG
     },
     Flag {
+        name: "patience",
+        key: "ground.patience_s",
+        value: "S",
+        help: "Seconds to wait before the flight for vehicles without telemetry. Default: 15, in lockstep 20",
+        commands: &[RUN],
+        ..FLAG
+    },
+    Flag {
         name: "loss",
         key: "link.loss",
         value: "SHARE",
@@ -289,7 +297,7 @@ const FLAGS: &[Flag] = &[
 ];
 
 /// What help calls the flags of this file.
-const HEADING: &str = "Settings of the scenario (each overrides the file)";
+const HEADING: &str = "Scenario settings (override the file)";
 
 fn preset_names() -> Vec<PossibleValue> {
     names::<Preset>()
@@ -317,11 +325,11 @@ fn names<T: ValueEnum>() -> Vec<PossibleValue> {
 
 /// The program's command line with these flags, and `--set`, in every subcommand that has them.
 pub fn add_to(command: Command) -> Command {
-    [RUN, FLY, VEHICLES, COMPARE].into_iter().fold(command, |command, name| {
-        command.mut_subcommand(name, |subcommand| {
-            let flags = FLAGS.iter().filter(|flag| flag.commands.contains(&name));
-            subcommand.args(flags.map(Flag::arg)).arg(set())
-        })
+    command.mut_subcommands(|subcommand| {
+        let name = subcommand.get_name().to_owned();
+        let flags: Vec<Arg> =
+            FLAGS.iter().filter(|flag| flag.commands.contains(&name.as_str())).map(Flag::arg).collect();
+        if flags.is_empty() { subcommand } else { subcommand.args(flags).arg(set()) }
     })
 }
 

@@ -25,6 +25,7 @@ mod swarm;
 
 pub use airframe::PLANE;
 pub use contender::{Contender, Entry, read_contenders, refuse_reserved};
+pub use diagnostics::nearest;
 pub use file::{Pattern, Preset, SetpointDialect};
 pub use layer::Layer;
 pub use provenance::Provenance;

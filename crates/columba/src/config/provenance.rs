@@ -11,6 +11,7 @@ use super::flags;
 use super::layer::{self, Found, Layer, Origin};
 use super::locate::{key_at, locate, misplaced_array, quote};
 use super::source::ConfigError;
+use crate::counted::counted;
 use controller::ControllerSettings;
 use flight_model::Airframe;
 use serde::de::DeserializeOwned;
@@ -205,7 +206,7 @@ impl Provenance {
         error.lines.truncate(FAULTS_SHOWN_MAX);
         let more = faults.len().saturating_sub(FAULTS_SHOWN_MAX);
         if more > 0 {
-            error.lines.push(format!("{}: and {more} faults more", self.name));
+            error.lines.push(format!("{}: and {} more", self.name, counted(more, "fault")));
         }
         Err(error)
     }

@@ -2,6 +2,7 @@
 
 use super::file::{AutopilotTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
+use crate::flying::GroundSettings;
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
 use mavlink_bridge::{ImpairmentSettings, MulticastScope};
@@ -51,6 +52,8 @@ pub struct Scenario {
     pub parameter_files: ParameterFile,
     /// The link.
     pub link: Link,
+    /// How the ground station waits for vehicles.
+    pub ground: GroundSettings,
     /// The run's folder.
     pub folder: PathBuf,
     /// Where the settings came from, for what proves wrong only when it is tried.
@@ -130,6 +133,7 @@ impl Scenario {
                 setpoints: file.link.setpoints,
                 impairment: file.link.impairment(),
             },
+            ground: file.ground,
             folder: folder.unwrap_or_else(|| default_folder(&file.scenario.name)),
             provenance,
             name: file.scenario.name,

@@ -11,7 +11,7 @@ mod recorder;
 mod vehicles;
 mod world;
 
-pub use ground_station::{FlightError, GroundStation};
+pub use ground_station::{FlightError, GroundSettings, GroundStation};
 pub use ground_truth::GroundTruth;
 pub use lockstep::Lockstep;
 pub use log::Log;
@@ -20,7 +20,7 @@ pub use progress::{Progress, progress_over};
 pub use real_time::RealTime;
 pub use recorder::{Ended, Recorder, field, name_of, settings};
 pub use vehicles::{
-    LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, sockets, vehicle_settings,
+    LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, reachable, sockets, vehicle_settings,
 };
 pub use world::{Interval, World, fly};
 

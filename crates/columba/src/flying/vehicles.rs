@@ -5,7 +5,7 @@ use mavlink_bridge::LinkSettings;
 use sim_vehicle::{
     Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, PortLayout, VehicleSettings, port_index,
 };
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::{Duration, SystemTime};
 
 /// Time zero of a flight in simulated time, in microseconds since the Unix epoch: 2026-01-01, so that a flight's log is
@@ -20,6 +20,17 @@ pub fn system_id(index: usize) -> u8 {
 /// The MAVLink network of the vehicle of an index, counted from one.
 pub fn network(index: usize) -> usize {
     index / NETWORK_VEHICLES_MAX + 1
+}
+
+/// The address at which a client on this machine finds a socket that is bound to `address`: that of all interfaces is none
+/// to send to.
+pub fn reachable(address: SocketAddr) -> SocketAddr {
+    let host = match address.ip() {
+        IpAddr::V4(host) if host.is_unspecified() => IpAddr::V4(Ipv4Addr::LOCALHOST),
+        IpAddr::V6(host) if host.is_unspecified() => IpAddr::V6(Ipv6Addr::LOCALHOST),
+        host => host,
+    };
+    SocketAddr::new(host, address.port())
 }
 
 /// How many UDP ports the vehicles of a scenario have.
@@ -102,4 +113,21 @@ pub fn unix_us() -> u64 {
 pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: LinkSettings) -> HostSettings {
     let vehicles_per_port = scenario.link.vehicles_per_port;
     HostSettings { bind: scenario.link.host, base_port, vehicles_per_port, clock, link, ..HostSettings::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_socket_on_all_interfaces_is_found_on_loopback() {
+        for (bound, found) in [
+            ("0.0.0.0:14600", "127.0.0.1:14600"),
+            ("[::]:14600", "[::1]:14600"),
+            ("127.0.0.1:5", "127.0.0.1:5"),
+            ("192.0.2.1:5", "192.0.2.1:5"),
+        ] {
+            assert_eq!(reachable(bound.parse().unwrap()), found.parse().unwrap());
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::COUNT_MAX;
 use crate::config::Scenario;
 use crate::config::fault::Faults;
 use crate::config::file::{LinkTable, Pattern, PatternTable, PortsKey, ScenarioFile};
+use crate::counted::counted;
 use sim_vehicle::{NETWORK_VEHICLES_MAX, ParameterFault, VehicleSettings, port_index};
 use std::collections::BTreeSet;
 
@@ -52,14 +53,21 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
     let needed = port_index(count - 1, link.vehicles_per_port) + 1;
     let networks = count.div_ceil(NETWORK_VEHICLES_MAX);
     if let Some(port) = link.ground_port.filter(|&port| usize::from(port) + networks > 65_536) {
-        let wanted =
-            format!("at most {} for {networks} networks of {NETWORK_VEHICLES_MAX} vehicles", 65_536 - networks);
+        let wanted = format!(
+            "at most {} for {} of {NETWORK_VEHICLES_MAX} vehicles",
+            65_536 - networks,
+            counted(networks, "network")
+        );
         faults.add("link.ground_port", port, wanted);
     }
     let Some(first) = link.vehicle_port.filter(|&port| port > 0) else { return };
     let (first, end) = (usize::from(first), usize::from(first) + needed);
     if end > 65_536 {
-        faults.add("link.vehicle_port", first, format!("at most {} for {count} vehicles", 65_536 - needed));
+        faults.add(
+            "link.vehicle_port",
+            first,
+            format!("at most {} for {}", 65_536 - needed, counted(count, "vehicle")),
+        );
     }
     let overlaps = |port: usize| port > 0 && port < end && first < port + networks;
     if let Some(port) = link.ground_port.filter(|&port| overlaps(port.into())) {
