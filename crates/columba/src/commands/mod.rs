@@ -28,6 +28,7 @@ use crate::record::{self, Occupied, RecordError, RunFolder};
 use crate::report;
 use crate::station::record::drawable;
 use anyhow::{Context, anyhow};
+use sim_vehicle::PortLayout;
 use std::fmt::Display;
 use std::future::Future;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -132,13 +133,13 @@ fn ground_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> 
 fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
     /// What else is open: the terminal, the runtime, the ground's port, files of the run.
     const OTHERS: u64 = 64;
-    let needed = flying::ports(scenario) as u64 + OTHERS;
+    let needed = flying::sockets(scenario) as u64 + OTHERS;
     match rlimit::increase_nofile_limit(needed) {
         Ok(allowed) if allowed < needed => Err(anyhow!(
             "{} need {}, and the system allows {allowed} open files: must be at least {needed} \
              (ulimit -n {needed}), or fewer ports (--per-port N)",
             counted(scenario.starts.len(), "vehicle"),
-            counted(flying::ports(scenario), "port")
+            counted(flying::sockets(scenario), "port")
         )),
         // Where there is no such limit, or none can be found out, the ports will tell.
         _ => Ok(()),
@@ -147,6 +148,9 @@ fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
 
 /// A vehicle's port that cannot be bound.
 fn vehicle_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
+    if scenario.link.layout != PortLayout::Columba {
+        return port_refused(scenario, "link.instance", "an instance whose ports are free", error.into());
+    }
     let wanted = match flying::ports(scenario) {
         1 => "a free port, or 0 for any".to_owned(),
         count => format!("the first of {count} free ports in a row, or 0 for any"),

@@ -5,9 +5,9 @@ use super::{Provenance, patterns};
 use crate::flying::GroundSettings;
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
-use mavlink_bridge::ImpairmentSettings;
+use mavlink_bridge::{ImpairmentSettings, MulticastScope};
 use optimizer::OptimizerSettings;
-use sim_vehicle::ParameterFile;
+use sim_vehicle::{ParameterFile, PortLayout};
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -44,6 +44,8 @@ pub struct Scenario {
     pub optimizer: OptimizerSettings,
     /// What vehicles do beside flying.
     pub autopilot: AutopilotTable,
+    /// Parameter files widen the limits of the dynamics: they are of the vehicle that is to be flown, and not the paper's.
+    pub files_shape_limits: bool,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,
     /// Parameter files, which these override.
@@ -74,6 +76,10 @@ pub struct Link {
     pub vehicles_per_port: usize,
     /// Controller's port; 0: any free one. Each further network of vehicles has the next.
     pub ground_port: Option<u16>,
+    /// Which ports vehicles have.
+    pub layout: PortLayout,
+    /// Whether they are members of a multicast group too.
+    pub multicast: Option<MulticastScope>,
     /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
     /// The same each way.
@@ -114,6 +120,7 @@ impl Scenario {
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
+            files_shape_limits: file.airframe.as_ref().is_some_and(|airframe| !airframe.is_paper()),
             parameter_files: file.parameters.read,
             parameters: file.parameters.values.into_iter().map(|(name, value)| (name, value as f32)).collect(),
             link: Link {
@@ -121,6 +128,8 @@ impl Scenario {
                 vehicle_port: file.link.vehicle_port,
                 vehicles_per_port: file.link.vehicles_per_port,
                 ground_port: file.link.ground_port,
+                layout: file.link.layout(),
+                multicast: file.link.multicast(),
                 setpoints: file.link.setpoints,
                 impairment: file.link.impairment(),
             },
@@ -160,13 +169,15 @@ fn starts(file: &ScenarioFile, expected: &Expected) -> Vec<State> {
         course_rad: flight_model::wrap_pi(course_deg.to_radians()),
         climb_mps: 0.0,
     };
+    // An airframe of its own starts as it cruises.
+    let cruise_speed_mps = file.airframe.as_ref().and(file.autopilot.cruise_speed_mps);
     match &file.vehicles {
         Some(pattern) => {
             let like = state(
                 0.0,
                 0.0,
                 pattern.altitude_m.unwrap_or(expected.altitude_m),
-                pattern.speed_mps.unwrap_or(expected.speed_mps),
+                pattern.speed_mps.or(cruise_speed_mps).unwrap_or(expected.speed_mps),
                 pattern.course_deg.unwrap_or(expected.course_rad.to_degrees()),
             );
             patterns::starts(pattern, &like, file.scenario.seed)

@@ -20,7 +20,7 @@ pub use progress::{Progress, progress_over};
 pub use real_time::RealTime;
 pub use recorder::{Ended, Recorder, field, name_of, settings};
 pub use vehicles::{
-    LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, reachable, vehicle_settings,
+    LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, reachable, sockets, vehicle_settings,
 };
 pub use world::{Interval, World, fly};
 

@@ -3,7 +3,7 @@
 use crate::config::Scenario;
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{
-    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, VehicleSettings, port_index,
+    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, PortLayout, VehicleSettings, port_index,
 };
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::{Duration, SystemTime};
@@ -39,6 +39,16 @@ pub fn ports(scenario: &Scenario) -> usize {
     last.map_or(0, |last| port_index(last, scenario.link.vehicles_per_port) + 1)
 }
 
+/// How many sockets the vehicles of a scenario open, without those of TCP clients.
+pub fn sockets(scenario: &Scenario) -> usize {
+    let multicast = if scenario.link.multicast.is_some() { 2 } else { 0 };
+    match scenario.link.layout {
+        PortLayout::Columba => ports(scenario) * (1 + multicast),
+        PortLayout::ArduPilot { .. } => scenario.starts.len() * (4 + multicast),
+        PortLayout::Px4 { .. } => scenario.starts.len() * (2 + multicast),
+    }
+}
+
 /// Settings of every vehicle of the scenario; telemetry goes to `ground` unasked.
 pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_epoch_us: u64) -> Vec<VehicleSettings> {
     let autopilot = &scenario.autopilot;
@@ -60,6 +70,8 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         rates: autopilot.rates(),
         setpoint_timeout_s: autopilot.setpoint_timeout_s,
         loiter_radius_m: autopilot.loiter_radius_m,
+        cruise_speed_mps: autopilot.cruise_speed_mps,
+        files_shape_limits: scenario.files_shape_limits,
         clock_epoch_us,
         ground,
         parameter_files: parameter_files.clone(),
@@ -100,7 +112,7 @@ pub fn unix_us() -> u64 {
 /// The host of a scenario's vehicles.
 pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: LinkSettings) -> HostSettings {
     let vehicles_per_port = scenario.link.vehicles_per_port;
-    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port, clock, link, state_folder: None }
+    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port, clock, link, ..HostSettings::default() }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::COUNT_MAX;
 use crate::config::Scenario;
 use crate::config::fault::Faults;
-use crate::config::file::{Pattern, PatternTable, ScenarioFile};
+use crate::config::file::{LinkTable, Pattern, PatternTable, PortsKey, ScenarioFile};
 use crate::counted::counted;
 use sim_vehicle::{NETWORK_VEHICLES_MAX, ParameterFault, VehicleSettings, port_index};
 use std::collections::BTreeSet;
@@ -46,6 +46,10 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
     if !(1..=NETWORK_VEHICLES_MAX).contains(&link.vehicles_per_port) || !(1..=COUNT_MAX).contains(&count) {
         return;
     }
+    if link.ports != PortsKey::Columba {
+        autopilots_ports(link, count, faults);
+        return;
+    }
     let needed = port_index(count - 1, link.vehicles_per_port) + 1;
     let networks = count.div_ceil(NETWORK_VEHICLES_MAX);
     if let Some(port) = link.ground_port.filter(|&port| usize::from(port) + networks > 65_536) {
@@ -71,6 +75,25 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
             if networks > 1 { format!("; {networks} networks have a ground port each") } else { String::new() };
         let wanted = format!("none of the vehicles' ports, {first} to {}{ground}", end - 1);
         faults.add("link.ground_port", port, wanted);
+    }
+}
+
+/// The ports of an autopilot are what they are, and each vehicle is alone on its own.
+fn autopilots_ports(link: &LinkTable, count: usize, faults: &mut Faults) {
+    const INSTANCE_MAX: usize = 5_000;
+    faults.whole("link.instance", link.instance.into(), 0, INSTANCE_MAX);
+    for (key, port) in [("link.vehicle_port", link.vehicle_port), ("link.ground_port", link.ground_port)] {
+        if let Some(port) = port.filter(|&port| port > 0) {
+            faults.add(key, port, "0 or left out: link.ports and link.instance say which ports there are");
+        }
+    }
+    if link.vehicles_per_port > 1 {
+        faults.add("link.vehicles_per_port", link.vehicles_per_port, "1: link.ports gives each vehicle its own ports");
+    }
+    let most = link.layout().vehicles_max();
+    if count > most {
+        let wanted = format!("must be at most {most}: these ports are enough for no more");
+        faults.add_subject("link.ports", format!("{count} vehicles"), wanted);
     }
 }
 

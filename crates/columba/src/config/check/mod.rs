@@ -212,6 +212,10 @@ fn with_default(settings: OptimizerSettings, algorithm: &str, setting: &str) -> 
 
 fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     let link = &file.link;
+    if let Some(speed_mps) = file.autopilot.cruise_speed_mps {
+        let (slowest, fastest) = (file.dynamics.speed_min_mps, file.dynamics.speed_max_mps);
+        faults.within("autopilot.cruise_speed_mps", speed_mps, slowest, fastest);
+    }
     for error in file.autopilot.check(file.dynamics.integration_step_s) {
         let why = if error.name.ends_with("_hz") { ", 0.8 for each dynamics.integration_step_s" } else { "" };
         faults.add(format!("autopilot.{}", error.name), error.value, format!("{}{why}", error.range));
