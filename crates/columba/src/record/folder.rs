@@ -42,7 +42,11 @@ impl RunFolder {
         let probe = path.join(format!(".writable.{}.tmp", std::process::id()));
         fs::create_dir_all(&path)
             .and_then(|()| fs::write(&probe, b""))
-            .and_then(|()| fs::remove_file(&probe))
+            .and_then(|()| match fs::remove_file(&probe) {
+                // Another thread of this program tried the same and was faster.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+                removed => removed,
+            })
             .map_err(|source| RecordError::Folder { path: path.clone(), source })?;
         Ok(Self { path, kept: None, _lock: None })
     }

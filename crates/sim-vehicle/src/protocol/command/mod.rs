@@ -11,6 +11,7 @@ mod message_requests;
 pub(crate) mod preflight;
 mod reposition;
 pub(crate) mod request;
+pub(crate) mod reset;
 mod set_home;
 mod standard_modes;
 
