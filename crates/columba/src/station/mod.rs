@@ -235,17 +235,8 @@ impl Station {
                 }
             }
             Message::GLOBAL_POSITION_INT(data) => {
-                if let Some(last) = &vehicle.global {
-                    // Of one autopilot by two ways, or of two autopilots?
-                    let moved_deg = f64::from(data.lat.abs_diff(last.lat).max(data.lon.abs_diff(last.lon))) * 1e-7;
-                    let stamps = data.time_boot_ms.abs_diff(last.time_boot_ms);
-                    let is_elsewhere = moved_deg > 0.0005 || stamps > 3_000;
-                    if is_elsewhere
-                        && vehicle.age_s(now.as_secs_f64()).is_some_and(|age_s| age_s < 1.0)
-                        && vehicle.routes.len() > 1
-                    {
-                        vehicle.is_doubled = true;
-                    }
+                if vehicle.contradicts_another_way(data, route, now) {
+                    vehicle.is_doubled = true;
                 }
                 vehicle.hear(&message, now, &local_frame);
             }
@@ -437,12 +428,21 @@ impl Station {
     /// The messages that ask a vehicle for a setpoint, by its kind's encoder.
     pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
         let vehicle = self.vehicles.get(index)?;
+        // Wind and thin air, but never an airspeed that the vehicle refuses.
+        let asked_mps = setpoint.speed_mps + vehicle.airspeed_excess_mps;
+        let limits = vehicle.limits.unwrap_or_default();
+        let airspeed_mps = match (limits.speed_min_mps, limits.speed_max_mps) {
+            (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
+                asked_mps.clamp(least, greatest)
+            }
+            _ => asked_mps,
+        };
         let situation = Situation {
             state: self.state_now(index, now)?,
             frame: &self.frame,
             local_origin_amsl_m: vehicle.local_origin_amsl_m,
             limits: &self.limits,
-            airspeed_excess_mps: vehicle.airspeed_excess_mps,
+            airspeed_excess_mps: airspeed_mps - setpoint.speed_mps,
             now,
         };
         match vehicle.driver()?.setpoint(vehicle.target, setpoint, &situation) {

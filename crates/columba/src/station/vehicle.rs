@@ -91,6 +91,8 @@ pub struct Vehicle {
     pub local_origin_amsl_m: Option<f64>,
     /// The last LOCAL_POSITION_NED: stamp, north, east, down.
     local: Option<(u32, [f64; 3])>,
+    /// By which route and when the last position came.
+    global_came: Option<(Route, Duration)>,
     /// The last GLOBAL_POSITION_INT, before it is brought into a frame.
     pub global: Option<GLOBAL_POSITION_INT_DATA>,
     /// Airspeed less ground speed, slowly, m/s.
@@ -151,6 +153,7 @@ impl Vehicle {
             origin: None,
             local_origin_amsl_m: None,
             local: None,
+            global_came: None,
             global: None,
             airspeed_excess_mps: 0.0,
             airspeed_heard: None,
@@ -301,6 +304,24 @@ impl Vehicle {
         self.global = Some(data.clone());
         let Some(at_s) = self.clock.ground_time_s(data.time_boot_ms) else { return false };
         self.track.push(Sample { at_s, state: state(data, frame) })
+    }
+
+    /// Whether a position by one route contradicts the last one by another: two autopilots speak with one system id then.
+    pub fn contradicts_another_way(&mut self, data: &GLOBAL_POSITION_INT_DATA, route: Route, now: Duration) -> bool {
+        let before = self.global_came.replace((route, now));
+        let (Some(last), Some((other, heard))) = (&self.global, before) else { return false };
+        let since_s = now.saturating_sub(heard).as_secs_f64();
+        if other == route || since_s > 1.0 {
+            return false;
+        }
+        const METRES_PER_UNIT: f64 = 0.011_132;
+        let north_m = f64::from(data.lat.abs_diff(last.lat)) * METRES_PER_UNIT;
+        let east_m =
+            f64::from(data.lon.abs_diff(last.lon)) * METRES_PER_UNIT * libm::cos(place(data).latitude_deg.to_radians());
+        let speed_mps = 0.01 * libm::hypot(f64::from(data.vx), f64::from(data.vy));
+        let moved_m = 5.0 + 2.0 * speed_mps * since_s.max(0.5);
+        let stamps_s = 1e-3 * f64::from(data.time_boot_ms.abs_diff(last.time_boot_ms));
+        libm::hypot(north_m, east_m) > moved_m || stamps_s > 3.0
     }
 
     fn hear_local(&mut self, data: &LOCAL_POSITION_NED_DATA) {
