@@ -1,9 +1,9 @@
 //! The ground station: from the ground to the ground with real autopilots.
 //!
 //! [`Station`] is sans-I/O: it takes the frames that arrive and the time, and gives the messages to send. A flight goes
-//! through phases, a file each: [connect], [preflight], [arm_takeoff], [gather_phase], [handover], [fly], [end]. What is
-//! said of the flight rests on telemetry alone ([judge]), and is told once ([told]). The sockets, the terminal and the
-//! files are in [shell] and [record].
+//! through phases, a file each: [connect], [preflight], [arm_takeoff], [gather_phase], [handover], [fly], [end]. What
+//! is said of the flight rests on telemetry alone ([judge]), and is told once ([told]). The sockets, the terminal and
+//! the files are in [shell] and [record].
 
 pub mod arm_takeoff;
 pub mod connect;

@@ -306,7 +306,8 @@ impl Vehicle {
         self.track.push(Sample { at_s, state: state(data, frame) })
     }
 
-    /// Whether a position by one route contradicts the last one by another: two autopilots speak with one system id then.
+    /// Whether a position by one route contradicts the last one by another: two autopilots speak with one system id
+    /// then.
     pub fn contradicts_another_way(&mut self, data: &GLOBAL_POSITION_INT_DATA, route: Route, now: Duration) -> bool {
         let before = self.global_came.replace((route, now));
         let (Some(last), Some((other, heard))) = (&self.global, before) else { return false };
@@ -385,7 +386,8 @@ impl Vehicle {
         }
     }
 
-    /// By how much its own two positions contradict each other, m: the global one, and the local one from its own origin.
+    /// By how much its own two positions contradict each other, m: the global one, and the local one from its own
+    /// origin.
     pub fn contradiction_m(&self) -> Option<f64> {
         let (stamp, [north_m, east_m, _]) = self.local?;
         let (global, origin) = (self.global.as_ref()?, self.origin?);
@@ -413,8 +415,9 @@ fn place(data: &GLOBAL_POSITION_INT_DATA) -> Geodetic {
     }
 }
 
-/// GLOBAL_POSITION_INT in a local frame, at full precision (<https://mavlink.io/en/messages/common.html#GLOBAL_POSITION_INT>).
-/// A vehicle that stands has the course of its nose.
+/// GLOBAL_POSITION_INT in a local frame, at full precision
+/// (<https://mavlink.io/en/messages/common.html#GLOBAL_POSITION_INT>). A vehicle that stands has the course of its
+/// nose.
 pub fn state(data: &GLOBAL_POSITION_INT_DATA, frame: &LocalFrame) -> State {
     let (x_m, y_m, altitude_m) = frame.to_local(&place(data));
     let (north_mps, east_mps) = (0.01 * f64::from(data.vx), 0.01 * f64::from(data.vy));
