@@ -97,6 +97,7 @@ impl Gather {
                 layer_m: expected.altitude_m,
                 leg: Leg::Climb,
                 on_lane: false,
+                climb_rad: None,
                 gone: false,
             })
             .collect();
