@@ -110,9 +110,10 @@ fn what_is_uploaded_is_downloaded_and_home_is_home() {
     assert_eq!(read.iter().map(|item| item.current).collect::<Vec<_>>(), [0; 5]);
     // The old request is answered with the old item.
     let request = MISSION_REQUEST_DATA { seq: 2, target_system: TARGET, ..MISSION_REQUEST_DATA::DEFAULT };
-    assert!(
-        matches!(client.ask(&Message::MISSION_REQUEST(request)).as_slice(), [Message::MISSION_ITEM(old)] if old.seq == 2)
-    );
+    assert!(matches!(
+        client.ask(&Message::MISSION_REQUEST(request)).as_slice(),
+        [Message::MISSION_ITEM(old)] if old.seq == 2
+    ));
     let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
     assert_eq!(result(&client.ask(&Message::MISSION_CLEAR_ALL(clear))), Some(MAV_MISSION_ACCEPTED));
     assert_eq!(on_board(&mut client), []);

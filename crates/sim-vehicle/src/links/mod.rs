@@ -1,10 +1,11 @@
-//! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an autopilot
-//! has them for each of its ports.
+//! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an
+//! autopilot has them for each of its ports.
 
 mod texts;
 
-use crate::settings::{TelemetryRates, VehicleSettings};
+use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
+use crate::telemetry::rates::TelemetryRates;
 use crate::telemetry::streams::{Schedule, Stream};
 use crate::world::{Noise, Source};
 use mavlink_bridge::dialect::{DialectMessage, MavMissionResult, MavResult, Message};
@@ -29,7 +30,8 @@ pub struct Transmit {
 pub(crate) const DATAGRAM_BYTES_MAX: usize = 1200;
 /// A peer that says nothing for so long is forgotten (the ground address never is).
 pub(crate) const SILENCE_MAX: Duration = Duration::from_secs(30);
-/// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of them.
+/// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of
+/// them.
 pub(crate) const LINKS_MAX: usize = 64;
 
 #[derive(Debug)]
@@ -86,7 +88,7 @@ impl Links {
             long_texts: 0,
             now: Duration::ZERO,
         };
-        if let Some(ground) = settings.ground {
+        for &ground in settings.ground.iter().chain(&settings.further_grounds) {
             links.add(ground, true, Duration::ZERO, Duration::ZERO);
         }
         links
@@ -140,7 +142,7 @@ impl Links {
             for &stream in streams {
                 self.links[index].schedule.set_interval(
                     stream,
-                    stream.default_interval(rates, self.settings.personality),
+                    stream.default_interval(rates, self.settings.personality.rules()),
                     time,
                 );
             }
@@ -148,10 +150,18 @@ impl Links {
         self.find_next_due();
     }
 
+    /// Every link is one of another vehicle, as it starts.
+    pub fn begin_anew(&mut self, fresh: &Self, time: Duration) {
+        self.settings.clone_from(&fresh.settings);
+        self.loss = fresh.loss;
+        self.set_system_id(fresh.settings.system_id);
+        self.restart(time);
+    }
+
     /// Every link has the default rates again.
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {
-            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
+            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
         }
         self.find_next_due();
     }
@@ -164,7 +174,7 @@ impl Links {
             let link = &mut self.links[index];
             link.heard = now;
             link.frames = link.frames.saturating_add(1);
-            if version == Version::V2 {
+            if version == Version::V2 || link.frames == 1 {
                 link.encoder.version = version;
             }
             return (index, false);
@@ -180,8 +190,22 @@ impl Links {
         (index, true)
     }
 
-    /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred vehicles
-    /// at once tell a client more than it can read.
+    /// A peer has connected, over a line that tells when it is gone again. Gives its link.
+    pub fn open(&mut self, peer: PeerId, now: Duration, time: Duration) -> usize {
+        let index = self.add(peer, true, now, time);
+        // It has said nothing yet, and so not which version it speaks.
+        self.links[index].frames = 0;
+        index
+    }
+
+    /// A peer that has connected is gone.
+    pub fn disconnect(&mut self, peer: PeerId) {
+        self.links.retain(|link| link.peer != peer);
+        self.find_next_due();
+    }
+
+    /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred
+    /// vehicles at once tell a client more than it can read.
     pub fn slow_down(&mut self, index: usize) {
         const WHILE: Duration = Duration::from_secs(1);
         self.links[index].slow_until = self.now + WHILE;
@@ -208,7 +232,7 @@ impl Links {
     }
 
     fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
-        let schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
+        let schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
         self.links.push(Link {
             peer,
             permanent,
@@ -262,7 +286,7 @@ impl Links {
     pub fn send_due(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
             for stream in
-                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+                self.links[index].schedule.take_due(instruments.time()).filter(|stream| instruments.has(*stream))
             {
                 if !self.is_left_out(index, stream) {
                     self.send_stream(index, stream, instruments);
@@ -288,7 +312,7 @@ impl Links {
     pub fn send_due_and_position(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
             for stream in
-                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+                self.links[index].schedule.take_due(instruments.time()).filter(|stream| instruments.has(*stream))
             {
                 if stream != Stream::LocalPositionNed {
                     self.send_stream(index, stream, instruments);

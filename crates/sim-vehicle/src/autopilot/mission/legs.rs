@@ -1,8 +1,8 @@
 //! What the item that AUTO flies still wants, and when it has it.
 
-use crate::autopilot::flight::TAKEOFF_TOLERANCE_M;
-use crate::vehicle::Vehicle;
-use flight_model::wrap_pi;
+use crate::autopilot::flight::tuning::TAKEOFF_TOLERANCE_M;
+use flight_model::{State, wrap_pi};
+use nalgebra::Vector2;
 use std::time::Duration;
 
 /// What the current item still wants.
@@ -12,11 +12,11 @@ pub(super) enum Leg {
     #[default]
     Begin,
     /// To be so near to a place, and not to come nearer: `nearest_m` is how near it has come.
-    Place { at: (f64, f64), radius_m: f64, nearest_m: f64 },
+    Place { at: Vector2<f64>, radius_m: f64, nearest_m: f64 },
     /// To be at an altitude, or not below it, or not above it, m above the origin.
     Altitude(f64, AltitudeEnd),
     /// To be on its circle, from then on to turn so far (rad), to stay so long, or to be at an altitude.
-    Circle { at: (f64, f64), radius_m: f64, until: CircleEnd, flown: Option<Circled> },
+    Circle { at: Vector2<f64>, radius_m: f64, until: CircleEnd, flown: Option<Circled> },
     /// To be on the ground.
     Landing,
     /// A landing is given up: to climb to an altitude, m above the origin.
@@ -49,19 +49,17 @@ pub(super) struct Circled {
     turned_rad: f64,
 }
 
-impl Vehicle {
+impl Leg {
     /// Looks after an integration step whether the current item has all that it wants.
-    pub(super) fn is_leg_done(&mut self) -> bool {
-        let is_on_ground = self.flight.is_on_ground();
-        if is_on_ground || matches!(self.progress.leg, Leg::Landing) {
-            return is_on_ground && matches!(self.progress.leg, Leg::Landing);
+    pub fn is_done(&mut self, state: &State, is_on_ground: bool, time: Duration) -> bool {
+        if is_on_ground || matches!(self, Leg::Landing) {
+            return is_on_ground && matches!(self, Leg::Landing);
         }
-        let (state, time) = (self.flight.estimate(), self.time);
-        let from = |(x_m, y_m): (f64, f64)| {
-            let (north, east) = (state.x_m - x_m, state.y_m - y_m);
-            ((north * north + east * east).sqrt(), libm::atan2(east, north))
+        let from = |place: Vector2<f64>| {
+            let away = state.position_m() - place;
+            (away.norm(), libm::atan2(away.y, away.x))
         };
-        match &mut self.progress.leg {
+        match self {
             Leg::Begin | Leg::Forever | Leg::Landing => false,
             Leg::Place { at, radius_m, nearest_m } => {
                 // Who sees the vehicle a few times a second must see it within the radius: the item ends where it is

@@ -1,14 +1,22 @@
-//! What a PX4 answers to commands where an ArduPlane answers otherwise (`Commander::handle_command`, `navigator_main.cpp`).
+//! What a PX4 answers to commands where an ArduPlane answers otherwise (`Commander::handle_command`,
+//! `navigator_main.cpp`).
 //!
 //! What it is not able to do now is TEMPORARILY_REJECTED; on the ground and disarmed any mode can be set, and arming is
 //! what is refused.
 
-use super::{MODES, SELECTABLE, mode_name};
+// Clients still speak what the dialect calls superseded, and autopilots answer.
+#![allow(deprecated)]
+
+use super::modes::{MODES, SELECTABLE, mode_name};
+use crate::autopilot::Autopilot;
+use crate::autopilot::habits::ends_a_flight;
+use crate::autopilot::input::{angle_rad, check_finite, integer};
+use crate::error::Severity;
+use crate::error::{CommandError, CommandResult};
 use crate::mode::Mode;
-use crate::parameters::Parameter;
-use crate::protocol::command::{Command, Refusal, angle_rad, check_finite, integer};
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity};
+use crate::parameters::table::Parameter;
+use crate::protocol::command::request::Command;
+use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag};
 use mavlink_bridge::{CommandPosition, LatLonE7};
 
 /// Param 2 of COMPONENT_ARM_DISARM: by force, to disarm in the air.
@@ -30,235 +38,229 @@ fn known_params(command: MavCmd) -> Option<u8> {
 /// How a COMMAND_INT leaves a position out.
 const NO_POSITION: LatLonE7 = LatLonE7 { latitude_e7: i32::MAX, longitude_e7: i32::MAX };
 
-fn rejected(reason: impl Into<String>) -> Refusal {
-    Refusal::new(MavResult::MAV_RESULT_TEMPORARILY_REJECTED, reason)
+/// The answer of a PX4, if it is not that of an ArduPlane.
+pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Result<(), CommandError>> {
+    if let Err(refusal) = check_unused_params(command) {
+        return Some(Err(refusal));
+    }
+    let [p1, p2, p3, _] = command.params;
+    Some(match command.command {
+        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => arm_or_disarm(autopilot, p1, p2),
+        MavCmd::MAV_CMD_DO_SET_MODE => commanded_mode([p1, p2, p3]).and_then(|mode| change_mode(autopilot, mode)),
+        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => change_mode(autopilot, Mode::Rtl),
+        MavCmd::MAV_CMD_NAV_LAND => change_mode(autopilot, Mode::Land),
+        MavCmd::MAV_CMD_NAV_TAKEOFF => take_off(autopilot, command.z),
+        MavCmd::MAV_CMD_MISSION_START => start_mission(autopilot, p1),
+        MavCmd::MAV_CMD_DO_REPOSITION => reposition(autopilot, command),
+        MavCmd::MAV_CMD_DO_ORBIT => orbit(autopilot, command),
+        MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => change_altitude(autopilot, p1),
+        MavCmd::MAV_CMD_DO_CHANGE_SPEED => change_speed(autopilot, p2),
+        MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => change_heading(autopilot, p1, p2),
+        MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED
+        | MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE
+        | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
+        | MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT
+        | MavCmd::MAV_CMD_DO_FENCE_ENABLE
+        | MavCmd::MAV_CMD_GET_HOME_POSITION
+        | MavCmd::MAV_CMD_DO_RETURN_PATH_START
+        | MavCmd::MAV_CMD_DO_JUMP_TAG
+        | MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => Err(CommandError::unsupported()),
+        _ => return None,
+    })
 }
 
-impl Vehicle {
-    /// The answer of a PX4, if it is not that of an ArduPlane.
-    pub(in crate::firmware) fn execute_px4(&mut self, command: &Command) -> Option<Result<(), Refusal>> {
-        if let Err(refusal) = check_unused_params(command) {
-            return Some(Err(refusal));
+fn arm_or_disarm(autopilot: &mut Autopilot, p1: f32, p2: f32) -> Result<(), CommandError> {
+    check_finite("Arm", &[p1])?;
+    match p1.round() as i64 {
+        1 if autopilot.flight.is_armed() => Ok(()),
+        1 => arm(autopilot),
+        0 if autopilot.flight.is_armed() && autopilot.flight.is_flying() && p2 != FORCE => {
+            Err(CommandError::rejected("Disarming denied: not landed"))
         }
-        let [p1, p2, p3, _] = command.params;
-        Some(match command.command {
-            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.px4_arm_or_disarm(p1, p2),
-            MavCmd::MAV_CMD_DO_SET_MODE => commanded_mode([p1, p2, p3]).and_then(|mode| self.px4_change_mode(mode)),
-            MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.px4_change_mode(Mode::Rtl),
-            MavCmd::MAV_CMD_NAV_LAND => self.px4_change_mode(Mode::Land),
-            MavCmd::MAV_CMD_NAV_TAKEOFF => self.px4_take_off(command.z),
-            MavCmd::MAV_CMD_MISSION_START => self.px4_start_mission(p1),
-            MavCmd::MAV_CMD_DO_REPOSITION => self.px4_reposition(command),
-            MavCmd::MAV_CMD_DO_ORBIT => self.px4_orbit(command),
-            MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => self.px4_change_altitude(p1),
-            MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.px4_change_speed(p2),
-            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.px4_change_heading(p1, p2),
-            MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED
-            | MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE
-            | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
-            | MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT
-            | MavCmd::MAV_CMD_DO_FENCE_ENABLE
-            | MavCmd::MAV_CMD_GET_HOME_POSITION
-            | MavCmd::MAV_CMD_DO_RETURN_PATH_START => Err(Refusal::unsupported()),
-            _ => return None,
-        })
-    }
-
-    fn px4_arm_or_disarm(&mut self, p1: f32, p2: f32) -> Result<(), Refusal> {
-        check_finite("Arm", &[p1])?;
-        match p1.round() as i64 {
-            1 if self.flight.is_armed() => Ok(()),
-            1 => self.px4_arm(),
-            0 if self.flight.is_armed() && self.flight.is_flying() && p2 != FORCE => {
-                Err(rejected("Disarming denied: not landed"))
+        0 => {
+            if autopilot.flight.is_armed() {
+                autopilot.disarm();
             }
-            0 => {
-                if self.flight.is_armed() {
-                    self.disarm();
-                }
-                Ok(())
-            }
-            _ => {
-                let reason = format!("Unsupported ARM_DISARM param: {p1:.3}");
-                Err(Refusal::new(MavResult::MAV_RESULT_UNSUPPORTED, reason))
-            }
+            Ok(())
+        }
+        _ => {
+            let reason = format!("Unsupported ARM_DISARM param: {p1:.3}");
+            Err(CommandError::new(CommandResult::Unsupported, reason))
         }
     }
+}
 
-    /// PX4 checks what it is told from outside even where that is by force.
-    fn px4_arm(&mut self) -> Result<(), Refusal> {
-        let reason = match self.mode() {
-            Mode::Offboard if !self.has_offboard_stream() => Some("No offboard signal"),
-            Mode::Auto if !self.mission.is_flyable() => Some("No valid mission available"),
-            mode if ends_a_flight(mode) => Some("Mode not armable"),
-            mode if mode.is_manual() && !self.are_sticks_held() => Some("No manual control input"),
-            _ => None,
-        };
-        if let Some(reason) = reason {
-            return Err(rejected(format!("Arming denied: {reason}")));
-        }
-        self.arm();
-        if let Some(altitude_m) = self.px4.takeoff_altitude_m.take().filter(|_| self.mode() == Mode::Takeoff) {
-            self.flight.take_off(altitude_m);
-        }
-        self.px4.armed_at = self.flight.is_on_ground().then_some(self.time);
-        Ok(())
+/// PX4 checks what it is told from outside even where that is by force.
+fn arm(autopilot: &mut Autopilot) -> Result<(), CommandError> {
+    let reason = match autopilot.mode() {
+        Mode::Offboard if !autopilot.has_offboard_stream() => Some("No offboard signal"),
+        Mode::Auto if !autopilot.mission().is_flyable() => Some("No valid mission available"),
+        mode if ends_a_flight(mode) => Some("Mode not armable"),
+        mode if mode.is_manual() && !autopilot.are_sticks_held() => Some("No manual control input"),
+        _ => None,
+    };
+    if let Some(reason) = reason {
+        return Err(CommandError::rejected(format!("Arming denied: {reason}")));
     }
-
-    /// Sets a mode that can be flown now; disarmed, any.
-    pub(in crate::firmware) fn px4_change_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        let can_run = match mode {
-            Mode::Offboard => self.has_offboard_stream(),
-            Mode::Auto => self.mission.is_flyable(),
-            // Of remote controls there is only what a ground station sends.
-            mode if mode.is_manual() => self.are_sticks_held(),
-            _ => true,
-        };
-        if self.flight.is_armed() && !can_run {
-            let name = mode_name(mode);
-            return Err(rejected(format!("{name} is currently not available")));
-        }
-        if !ends_a_flight(mode) && mode != Mode::Takeoff {
-            self.px4.mode_to_restore = Some(mode);
-        }
-        self.set_mode(mode);
-        Ok(())
+    autopilot.arm();
+    if let Some(altitude_m) =
+        autopilot.session.habits.take_takeoff_altitude_m().filter(|_| autopilot.mode() == Mode::Takeoff)
+    {
+        autopilot.flight.take_off(altitude_m);
     }
+    autopilot.begin_idle_timer();
+    Ok(())
+}
 
-    /// z: m above sea level; not a number: MIS_TAKEOFF_ALT above home.
-    fn px4_take_off(&mut self, z: f32) -> Result<(), Refusal> {
-        let altitude_m = self.px4_altitude_m(z)?;
-        // Set already, it takes the new altitude.
-        if self.mode() != Mode::Takeoff {
-            self.px4_change_mode(Mode::Takeoff)?;
-        }
-        self.px4.takeoff_altitude_m = None;
-        let here_m = self.flight.state().altitude_m;
-        if z.is_nan() {
-            return Ok(());
-        }
-        if altitude_m <= here_m {
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, "Already higher than takeoff altitude");
-        } else if self.flight.is_armed() {
-            self.flight.take_off(altitude_m);
+/// Sets a mode that can be flown now; disarmed, any.
+pub(in crate::firmware) fn change_mode(autopilot: &mut Autopilot, mode: Mode) -> Result<(), CommandError> {
+    let can_run = match mode {
+        Mode::Offboard => autopilot.has_offboard_stream(),
+        Mode::Auto => autopilot.mission().is_flyable(),
+        // Of remote controls there is only what a ground station sends.
+        mode if mode.is_manual() => autopilot.are_sticks_held(),
+        _ => true,
+    };
+    if autopilot.flight.is_armed() && !can_run {
+        let name = mode_name(mode);
+        return Err(CommandError::rejected(format!("{name} is currently not available")));
+    }
+    if !ends_a_flight(mode) && mode != Mode::Takeoff {
+        autopilot.session.habits.restore_later(mode);
+    }
+    autopilot.set_mode(mode);
+    Ok(())
+}
+
+/// z: m above sea level; not a number: MIS_TAKEOFF_ALT above home.
+fn take_off(autopilot: &mut Autopilot, z: f32) -> Result<(), CommandError> {
+    let altitude_m = altitude_m(autopilot, z)?;
+    // Set already, it takes the new altitude.
+    if autopilot.mode() != Mode::Takeoff {
+        change_mode(autopilot, Mode::Takeoff)?;
+    }
+    autopilot.session.habits.set_takeoff_altitude_m(None);
+    let here_m = autopilot.flight.state().altitude_m;
+    if z.is_nan() {
+        return Ok(());
+    }
+    if altitude_m <= here_m {
+        autopilot.say(Severity::Critical, "Already higher than takeoff altitude");
+    } else if autopilot.flight.is_armed() {
+        autopilot.flight.take_off(altitude_m);
+    } else {
+        autopilot.session.habits.set_takeoff_altitude_m(Some(altitude_m));
+    }
+    Ok(())
+}
+
+/// Param 1: the first item, which it begins with. It arms, too.
+fn start_mission(autopilot: &mut Autopilot, p1: f32) -> Result<(), CommandError> {
+    if !autopilot.mission().is_flyable() {
+        return Err(CommandError::denied("Mission start denied! No valid mission"));
+    }
+    if !(-1.0..f32::from(autopilot.mission().len())).contains(&p1) {
+        return Err(CommandError::denied("Mission start denied! No such item"));
+    }
+    change_mode(autopilot, Mode::Auto)?;
+    if autopilot.flight.is_armed() { Ok(()) } else { arm(autopilot) }
+}
+
+/// Param 1: m/s, or -1. Param 2: 1 to go into Hold. Param 3: radius in m. x, y: a place, or where it is. z: m above sea
+/// level, whatever the frame.
+fn reposition(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
+    let [speed_mps, change_mode, radius_m, _] = command.params;
+    let changes = integer(change_mode) & 1 != 0;
+    if !changes && autopilot.mode() != Mode::Loiter {
+        return Err(CommandError::denied(format!("Reposition: mode is {}", autopilot.mode_name())));
+    }
+    let place = place("Reposition", command)?;
+    if speed_mps.is_infinite() {
+        check_finite("Reposition", &[speed_mps])?;
+    }
+    let altitude_m = altitude_m(autopilot, command.z)?;
+    if place.is_some() || autopilot.mode() != Mode::Course {
+        autopilot.set_mode(Mode::Loiter);
+        let state = autopilot.flight.state();
+        let at = place.map_or(state.position_m(), |place| autopilot.reference().locate(place));
+        let radius_m = if radius_m.is_finite() && radius_m != 0.0 {
+            f64::from(radius_m)
         } else {
-            self.px4.takeoff_altitude_m = Some(altitude_m);
-        }
-        Ok(())
-    }
-
-    /// Param 1: the first item, which it begins with. It arms, too.
-    fn px4_start_mission(&mut self, p1: f32) -> Result<(), Refusal> {
-        if !self.mission.is_flyable() {
-            return Err(Refusal::denied("Mission start denied! No valid mission"));
-        }
-        if !(-1.0..f32::from(self.mission.len())).contains(&p1) {
-            return Err(Refusal::denied("Mission start denied! No such item"));
-        }
-        self.px4_change_mode(Mode::Auto)?;
-        if self.flight.is_armed() { Ok(()) } else { self.px4_arm() }
-    }
-
-    /// Param 1: m/s, or -1. Param 2: 1 to go into Hold. Param 3: radius in m. x, y: a place, or where it is. z: m above sea
-    /// level, whatever the frame.
-    fn px4_reposition(&mut self, command: &Command) -> Result<(), Refusal> {
-        let [speed_mps, change_mode, radius_m, _] = command.params;
-        let changes = integer(change_mode) & 1 != 0;
-        if !changes && self.mode() != Mode::Loiter {
-            return Err(Refusal::denied(format!("Reposition: mode is {}", self.mode_name())));
-        }
-        let place = place("Reposition", command)?;
-        if speed_mps.is_infinite() {
-            check_finite("Reposition", &[speed_mps])?;
-        }
-        let altitude_m = self.px4_altitude_m(command.z)?;
-        if place.is_some() || self.mode() != Mode::Course {
-            self.set_mode(Mode::Loiter);
-            let state = self.flight.state();
-            let at = place.map_or((state.x_m, state.y_m), |place| self.to_local(place));
-            let radius_m = if radius_m.is_finite() && radius_m != 0.0 {
-                f64::from(radius_m)
-            } else {
-                self.flight.tuning().loiter_radius_m
-            };
-            self.flight.reposition(at, radius_m);
-        }
-        self.flight.set_altitude(altitude_m, f64::INFINITY);
-        if speed_mps > 0.0 {
-            self.px4_set_speed(speed_mps);
-        }
-        Ok(())
-    }
-
-    /// DO_ORBIT, which a fixed wing flies as Hold. Param 1: radius in m, below zero anticlockwise. x, y: a place, or where it is.
-    /// z: m above sea level, whatever the frame.
-    fn px4_orbit(&mut self, command: &Command) -> Result<(), Refusal> {
-        let radius_m = match command.params[0] {
-            radius_m if radius_m.is_infinite() => return Err(Refusal::denied("Orbit: radius is not finite")),
-            radius_m if radius_m.is_nan() || radius_m == 0.0 => self.flight.tuning().loiter_radius_m,
-            radius_m => f64::from(radius_m),
+            autopilot.flight.tuning().loiter_radius_m
         };
-        let place = place("Orbit", command)?;
-        let altitude_m = self.px4_altitude_m(command.z)?;
-        self.px4_change_mode(Mode::Loiter)?;
-        let state = self.flight.state();
-        let at = place.map_or((state.x_m, state.y_m), |place| self.to_local(place));
-        self.flight.reposition(at, radius_m);
-        self.flight.set_altitude(altitude_m, f64::INFINITY);
-        Ok(())
+        autopilot.flight.reposition(at, radius_m);
     }
+    autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
+    if speed_mps > 0.0 {
+        set_speed(autopilot, speed_mps);
+    }
+    Ok(())
+}
 
-    /// Param 1: m above sea level; param 2, a frame, is not read.
-    fn px4_change_altitude(&mut self, z: f32) -> Result<(), Refusal> {
-        if !matches!(self.mode(), Mode::Loiter | Mode::Course) {
-            return Err(rejected(format!("Altitude: mode is {}", self.mode_name())));
-        }
-        let altitude_m = self.px4_altitude_m(z)?;
-        self.flight.set_altitude(altitude_m, f64::INFINITY);
-        Ok(())
-    }
+/// DO_ORBIT, which a fixed wing flies as Hold. Param 1: radius in m, below zero anticlockwise. x, y: a place, or where
+/// it is. z: m above sea level, whatever the frame.
+fn orbit(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
+    let radius_m = match command.params[0] {
+        radius_m if radius_m.is_infinite() => return Err(CommandError::denied("Orbit: radius is not finite")),
+        radius_m if radius_m.is_nan() || radius_m == 0.0 => autopilot.flight.tuning().loiter_radius_m,
+        radius_m => f64::from(radius_m),
+    };
+    let place = place("Orbit", command)?;
+    let altitude_m = altitude_m(autopilot, command.z)?;
+    change_mode(autopilot, Mode::Loiter)?;
+    let state = autopilot.flight.state();
+    let at = place.map_or(state.position_m(), |place| autopilot.reference().locate(place));
+    autopilot.flight.reposition(at, radius_m);
+    autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
+    Ok(())
+}
 
-    /// Param 2: m/s; not above 0: FW_AIRSPD_TRIM. Accepted in any mode, and without effect in Offboard.
-    fn px4_change_speed(&mut self, speed_mps: f32) -> Result<(), Refusal> {
-        check_finite("Speed", &[speed_mps])?;
-        if self.mode() != Mode::Offboard {
-            let trim_mps = self.parameters.get(Parameter::AirspeedCruise);
-            self.px4_set_speed(if speed_mps > 0.0 { speed_mps } else { trim_mps });
-        }
-        Ok(())
+/// Param 1: m above sea level; param 2, a frame, is not read.
+fn change_altitude(autopilot: &mut Autopilot, z: f32) -> Result<(), CommandError> {
+    if !matches!(autopilot.mode(), Mode::Loiter | Mode::Course) {
+        return Err(CommandError::rejected(format!("Altitude: mode is {}", autopilot.mode_name())));
     }
+    let altitude_m = altitude_m(autopilot, z)?;
+    autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
+    Ok(())
+}
 
-    /// Param 1: 0, course over ground. Param 2: degrees.
-    fn px4_change_heading(&mut self, kind: f32, course_deg: f32) -> Result<(), Refusal> {
-        if self.mode() != Mode::Course {
-            return Err(Refusal::denied(format!("Heading: mode is {}", self.mode_name())));
-        }
-        check_finite("Heading", &[kind, course_deg])?;
-        if kind.round() != 0.0 {
-            return Err(Refusal::denied("Heading: only a course can be set"));
-        }
-        self.flight.set_course(angle_rad(course_deg), f64::INFINITY);
-        Ok(())
+/// Param 2: m/s; not above 0: FW_AIRSPD_TRIM. Accepted in any mode, and without effect in Offboard.
+fn change_speed(autopilot: &mut Autopilot, speed_mps: f32) -> Result<(), CommandError> {
+    check_finite("Speed", &[speed_mps])?;
+    if autopilot.mode() != Mode::Offboard {
+        let trim_mps = autopilot.parameters.get(Parameter::AirspeedCruise);
+        set_speed(autopilot, if speed_mps > 0.0 { speed_mps } else { trim_mps });
     }
+    Ok(())
+}
 
-    /// Cut to FW_AIRSPD_MIN and FW_AIRSPD_MAX.
-    fn px4_set_speed(&mut self, speed_mps: f32) {
-        let (least, most) = (self.parameters.get(Parameter::AirspeedMin), self.parameters.get(Parameter::AirspeedMax));
-        self.flight.set_speed(f64::from(speed_mps.clamp(least, most)), f64::INFINITY);
+/// Param 1: 0, course over ground. Param 2: degrees.
+fn change_heading(autopilot: &mut Autopilot, kind: f32, course_deg: f32) -> Result<(), CommandError> {
+    if autopilot.mode() != Mode::Course {
+        return Err(CommandError::denied(format!("Heading: mode is {}", autopilot.mode_name())));
     }
+    check_finite("Heading", &[kind, course_deg])?;
+    if kind.round() != 0.0 {
+        return Err(CommandError::denied("Heading: only a course can be set"));
+    }
+    autopilot.flight.set_course(angle_rad(course_deg), f64::INFINITY);
+    Ok(())
+}
 
-    /// An altitude above sea level as one above the origin, m; the present one for what is no number.
-    fn px4_altitude_m(&self, z: f32) -> Result<f64, Refusal> {
-        if z.is_nan() {
-            return Ok(self.flight.state().altitude_m);
-        }
-        self.altitude_m("Altitude", z, MavFrame::MAV_FRAME_GLOBAL as u8)
-    }
+/// Cut to FW_AIRSPD_MIN and FW_AIRSPD_MAX.
+fn set_speed(autopilot: &mut Autopilot, speed_mps: f32) {
+    let (least, most) =
+        (autopilot.parameters.get(Parameter::AirspeedMin), autopilot.parameters.get(Parameter::AirspeedMax));
+    autopilot.flight.set_speed(f64::from(speed_mps.clamp(least, most)), f64::INFINITY);
+}
 
-    /// Says what PX4 says of a mode that it changes to by itself.
-    pub(super) fn px4_announce(&mut self, text: &str) {
-        self.say(MavSeverity::MAV_SEVERITY_CRITICAL, text);
+/// An altitude above sea level as one above the origin, m; the present one for what is no number.
+fn altitude_m(autopilot: &Autopilot, z: f32) -> Result<f64, CommandError> {
+    if z.is_nan() {
+        return Ok(autopilot.flight.state().altitude_m);
     }
+    autopilot.altitude_m("Altitude", z, MavFrame::MAV_FRAME_GLOBAL as u8)
 }
 
 /// Commands for gimbals that a PX4 accepts without one (`navigator_main.cpp`): regions of interest.
@@ -267,28 +269,23 @@ pub(in crate::firmware) fn accepts_without_device(command: u16) -> bool {
 }
 
 /// A place that a command may leave out.
-fn place(name: &str, command: &Command) -> Result<Option<LatLonE7>, Refusal> {
+fn place(name: &str, command: &Command) -> Result<Option<LatLonE7>, CommandError> {
     let is_given = match command.position {
         CommandPosition::Int(position) => position != NO_POSITION,
         CommandPosition::Long(degrees) => degrees.iter().all(|degrees| degrees.is_finite()),
     };
     let place = is_given.then(|| command.lat_lon());
     if place.is_some_and(|place| !place.is_valid()) {
-        return Err(Refusal::denied(format!("{name}: no such place")));
+        return Err(CommandError::denied(format!("{name}: no such place")));
     }
     Ok(place)
 }
 
-/// The modes in which a PX4 is not armed.
-pub(super) fn ends_a_flight(mode: Mode) -> bool {
-    matches!(mode, Mode::Rtl | Mode::Land)
-}
-
 /// Params of DO_SET_MODE: flags, main mode, sub mode.
-pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> Result<Mode, Refusal> {
+pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> Result<Mode, CommandError> {
     let custom = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
     if integer(base_mode) & custom == 0 {
-        return Err(rejected("Unsupported base mode"));
+        return Err(CommandError::rejected("Unsupported base mode"));
     }
     // AUTO without more is the mission, and the sub mode counts in AUTO alone.
     let (main, sub) = match (integer(main), integer(sub)) {
@@ -301,13 +298,13 @@ pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> R
         .find(|(mode, m, s, _)| SELECTABLE.contains(mode) && (i64::from(*m), i64::from(*s)) == (main, sub));
     match found {
         Some((mode, ..)) => Ok(mode),
-        None if main == 4 => Err(rejected("Unsupported auto mode")),
-        None => Err(rejected("Unsupported main mode")),
+        None if main == 4 => Err(CommandError::rejected("Unsupported auto mode")),
+        None => Err(CommandError::rejected("Unsupported main mode")),
     }
 }
 
 /// A param that a command has not must be 0 or NaN.
-fn check_unused_params(command: &Command) -> Result<(), Refusal> {
+fn check_unused_params(command: &Command) -> Result<(), CommandError> {
     let Some(known) = known_params(command.command) else { return Ok(()) };
     let [p1, p2, p3, p4] = command.params;
     let [p5, p6] = match command.position {
@@ -317,7 +314,7 @@ fn check_unused_params(command: &Command) -> Result<(), Refusal> {
     };
     let all = [p1, p2, p3, p4, p5, p6, command.z];
     match all.iter().enumerate().find(|(index, param)| known >> index & 1 == 0 && !param.is_nan() && **param != 0.0) {
-        Some((index, _)) => Err(Refusal::denied(format!("Command: param {} is not supported", index + 1))),
+        Some((index, _)) => Err(CommandError::denied(format!("Command: param {} is not supported", index + 1))),
         None => Ok(()),
     }
 }

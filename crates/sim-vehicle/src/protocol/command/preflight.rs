@@ -1,89 +1,40 @@
-//! Commands about the autopilot itself: its calibration, a battery that was changed, and starting it anew.
+//! Commands about the autopilot itself: its calibration, a battery that was changed, and who it is.
 
-use crate::autopilot::failsafe::Failsafes;
-use crate::autopilot::manual_control::Channels;
-use crate::firmware::Personality;
-use crate::firmware::px4;
-use crate::mode::Mode;
-use crate::parameters::Parameter;
-use crate::protocol::command::{Refusal, check_finite, integer};
-use crate::protocol::mission::Uploads;
-use crate::protocol::parameter::Listings;
-use crate::vehicle::Vehicle;
-use crate::world::BatterySettings;
-use mavlink_bridge::dialect::MavSeverity;
-use std::time::Duration;
+use crate::autopilot::Autopilot;
+use crate::autopilot::input::{check_finite, integer};
+use crate::error::{CommandError, Severity};
+use crate::parameters::table::Parameter;
 
-impl Vehicle {
-    /// PREFLIGHT_CALIBRATION. Param 1: 1 for the gyroscopes; param 3: 1 for the barometer, whose drift starts anew.
-    pub(crate) fn calibrate(&mut self, [gyroscopes, barometer]: [f32; 2]) -> Result<(), Refusal> {
-        if self.flight.is_armed() {
-            return Err(Refusal::failed("Disarm to allow calibration"));
-        }
-        if gyroscopes == 1.0 {
-            return Ok(());
-        }
-        if barometer == 1.0 {
-            self.world.barometer_drift_m = 0.0;
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "Barometer calibration complete");
-            return Ok(());
-        }
-        Err(Refusal::unsupported())
+/// PREFLIGHT_CALIBRATION. Param 1: 1 for the gyroscopes; param 3: 1 for the barometer, whose drift starts anew.
+pub(crate) fn calibrate(autopilot: &mut Autopilot, [gyroscopes, barometer]: [f32; 2]) -> Result<(), CommandError> {
+    if autopilot.flight.is_armed() {
+        return Err(CommandError::failed("Disarm to allow calibration"));
     }
-
-    /// BATTERY_RESET. Param 1: bits of the batteries, of which there is one. Param 2: how full it is now, percent.
-    pub(crate) fn reset_battery(&mut self, [batteries, percent]: [f32; 2]) -> Result<(), Refusal> {
-        check_finite("Battery", &[batteries, percent])?;
-        if integer(batteries) & 1 != 0 {
-            let left = f64::from(percent.clamp(0.0, 100.0)) / 100.0;
-            let capacity_mah = f64::from(self.parameters.get(Parameter::BatteryCapacity));
-            self.world.battery.reset(&BatterySettings::of(&self.parameters), capacity_mah, left);
-        }
-        Ok(())
+    if gyroscopes == 1.0 {
+        return Ok(());
     }
-
-    /// DO_SEND_BANNER: who it is, in words.
-    pub(crate) fn send_banner(&mut self) {
-        let [major, minor, patch] = self.settings.personality.version();
-        let name = self.settings.personality.product();
-        self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{name} V{major}.{minor}.{patch}"));
+    if barometer == 1.0 {
+        autopilot.world.calibrate_barometer();
+        autopilot.say(Severity::Info, "Barometer calibration complete");
+        return Ok(());
     }
+    Err(CommandError::unsupported())
+}
 
-    /// PREFLIGHT_REBOOT_SHUTDOWN. Param 1: 1 to start anew, or 3, for a boot loader that there is none of.
-    pub(crate) fn reboot(&mut self, p1: f32) -> Result<(), Refusal> {
-        let is_px4 = self.settings.personality == Personality::Px4;
-        if self.flight.is_armed() {
-            let reason = "Reboot: it is armed";
-            return Err(if is_px4 { Refusal::denied(reason) } else { Refusal::failed(reason) });
-        }
-        match p1 {
-            1.0 | 3.0 => self.start_anew(),
-            // PX4: nothing for the autopilot.
-            0.0 if is_px4 => {}
-            _ if is_px4 => return Err(Refusal::denied("Reboot: param 1 must be 1")),
-            _ => return Err(Refusal::unsupported()),
-        }
-        Ok(())
+/// BATTERY_RESET. Param 1: bits of the batteries, of which there is one. Param 2: how full it is now, percent.
+pub(crate) fn reset_battery(autopilot: &mut Autopilot, [batteries, percent]: [f32; 2]) -> Result<(), CommandError> {
+    check_finite("Battery", &[batteries, percent])?;
+    if integer(batteries) & 1 != 0 {
+        let left = f64::from(percent.clamp(0.0, 100.0)) / 100.0;
+        let capacity_mah = f64::from(autopilot.parameters.get(Parameter::BatteryCapacity));
+        autopilot.world.reset_battery(&autopilot.parameters, capacity_mah, left);
     }
+    Ok(())
+}
 
-    /// As it was switched on, where it stands: parameters and plans are kept, and all that has been told it since is gone.
-    /// Its time goes on, for the clock does.
-    fn start_anew(&mut self) {
-        let first = if self.settings.on_ground { Mode::Manual } else { self.settings.mode };
-        let mode = self.settings.personality.first_mode(first, self.lockstep.is_some());
-        self.failsafes = Failsafes::new();
-        self.channels = Channels::default();
-        self.listings = Listings::default();
-        self.uploads = Uploads::default();
-        self.px4 = px4::State::default();
-        self.quiet_until = Duration::ZERO;
-        self.home_is_set = false;
-        self.set_mode(mode);
-        self.reset_mission();
-        self.fence.forget_breaches();
-        self.reconfigure_fence(Parameter::FenceEnable);
-        self.links.restart(self.time);
-        (0..self.links.len()).for_each(|link| self.announce(link));
-        self.send_banner();
-    }
+/// DO_SEND_BANNER: who it is, in words.
+pub(crate) fn send_banner(autopilot: &mut Autopilot) {
+    let rules = autopilot.rules();
+    let [major, minor, patch] = rules.version;
+    autopilot.say(Severity::Info, &format!("{} V{major}.{minor}.{patch}", rules.product));
 }

@@ -1,8 +1,9 @@
-//! Plans that survive a restart: for each vehicle a text file of its mission, its fence and its rally points, in the form
-//! "QGC WPL 110" that ground stations write and read
+//! Plans that survive a restart: for each vehicle a text file of its mission, its fence and its rally points, in the
+//! form "QGC WPL 110" that ground stations write and read
 //! (<https://mavlink.io/en/file_formats/#mission_plain_text_file>). There is no file of an empty plan.
 
-use super::{PlanKind, Plans, check_items};
+use super::check::check_items;
+use crate::autopilot::plan::{PlanKind, Plans};
 use mavlink_bridge::PlanItem;
 use std::fmt::Write as _;
 use std::io;
