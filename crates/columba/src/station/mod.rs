@@ -69,6 +69,8 @@ pub struct Settings {
     pub connect_patience: Duration,
     /// How long to wait until all are ready, and until all have taken off.
     pub ready_patience: Duration,
+    /// Names of the links.
+    pub links: Vec<String>,
     /// Bytes a second that each link carries; none where that is no limit.
     pub capacities: Vec<Option<f64>>,
     /// Ways to speak before anybody was heard.
