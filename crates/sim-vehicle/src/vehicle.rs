@@ -177,7 +177,7 @@ impl Vehicle {
     /// Takes one frame, decoded already; for hosts that serve many vehicles on one port.
     pub fn handle_incoming(&mut self, now: Duration, incoming: &Incoming, from: PeerId) {
         self.note_host_time(now);
-        let ours = [0, self.settings.system_id].contains(&incoming.target.system_id);
+        let ours = self.settings.personality.hears(incoming, self.settings.system_id, self.settings.component_id);
         // A companion computer has our system id and a component id of its own: it is heard.
         let from_ourselves = incoming.header.system_id == self.settings.system_id
             && incoming.header.component_id == self.settings.component_id;

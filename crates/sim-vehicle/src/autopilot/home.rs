@@ -1,11 +1,9 @@
 //! Home: where it is, who sets it, and altitudes above it.
 
 use crate::autopilot::flight::Home;
-use crate::firmware::Personality;
 use crate::protocol::command::{ALTITUDE_MAX_M, Command, Refusal, check_finite};
 use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavFrame;
 use mavlink_bridge::{CommandPosition, LatLonE7};
 
 impl Vehicle {
@@ -34,12 +32,7 @@ impl Vehicle {
         if command.z.is_nan() || command.z.abs() >= ALTITUDE_MAX_M {
             return Err(Refusal::denied("Home: no such altitude"));
         }
-        // To a PX4 it is above sea level whatever the frame.
-        let frame = match self.settings.personality {
-            Personality::Px4 => MavFrame::MAV_FRAME_GLOBAL as u8,
-            Personality::ArduPlane | Personality::Generic => command.frame,
-        };
-        let altitude_m = self.altitude_m("Home", command.z, frame)?;
+        let altitude_m = self.altitude_m("Home", command.z, command.frame)?;
         self.set_home_at(self.to_local(position), altitude_m);
         self.home_is_set = true;
         Ok(())

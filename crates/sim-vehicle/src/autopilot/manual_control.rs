@@ -45,9 +45,15 @@ impl Channels {
         })
     }
 
+    /// Where the channels are, microseconds.
+    pub fn pulses_us(&self, time: Duration) -> [u16; 8] {
+        std::array::from_fn(|channel| self.overridden(channel, time).unwrap_or(AT_REST_US[channel]))
+    }
+
     /// RC_CHANNELS (<https://mavlink.io/en/messages/common.html#RC_CHANNELS>).
     pub fn message(&self, time: Duration) -> Message {
-        let at = |channel: usize| self.overridden(channel, time).unwrap_or(AT_REST_US[channel]);
+        let pulses_us = self.pulses_us(time);
+        let at = |channel: usize| pulses_us[channel];
         Message::RC_CHANNELS(RC_CHANNELS_DATA {
             time_boot_ms: time.as_millis() as u32,
             chan1_raw: at(0),

@@ -7,21 +7,28 @@
 // Autopilots and ground stations still speak what the dialect calls superseded.
 #![allow(deprecated)]
 
+mod addressing;
 mod arduplane;
 mod generic;
 mod modes;
+mod offers;
 pub(crate) mod px4;
 mod targets;
+
+pub(crate) use offers::Offer;
+pub(crate) use px4::fence_area as px4_fence_area;
 
 use crate::autopilot::mission;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{Command, Refusal};
+use crate::protocol::mission::PlanKind;
 use crate::vehicle::Vehicle;
 
 use mavlink_bridge::dialect::{
-    MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavAutopilot, MavMissionType, MavModeFlag, MavParamType,
-    MavProtocolCapability, Message, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    MISSION_REQUEST_DATA, MISSION_REQUEST_INT_DATA, MavAutopilot, MavMissionResult, MavMissionType, MavModeFlag,
+    MavParamType, MavProtocolCapability, Message, SET_POSITION_TARGET_GLOBAL_INT_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use mavlink_bridge::{PlanItem, Target};
 use std::fmt;
@@ -136,6 +143,22 @@ impl Personality {
         }
     }
 
+    /// Whether an item can be one of `count` of a plan; the result code that says why not. `by_integers`: it came as
+    /// MISSION_ITEM_INT.
+    pub(crate) fn check_plan_item(
+        self,
+        kind: PlanKind,
+        seq: u16,
+        item: &PlanItem,
+        count: u16,
+        by_integers: bool,
+    ) -> Result<(), MavMissionResult> {
+        match self {
+            Personality::ArduPlane | Personality::Generic => kind.check(seq, item, count, self.first_mission_item()),
+            Personality::Px4 => px4::check_item(kind, item, by_integers),
+        }
+    }
+
     /// What follows a mission.
     pub(crate) fn mode_after_mission(self) -> Mode {
         match self {
@@ -206,10 +229,8 @@ impl Vehicle {
     /// What the personality makes of a command, if it is not ArduPlane's answer.
     pub(crate) fn execute_as_personality(&mut self, command: &Command, link: usize) -> Option<Result<(), Refusal>> {
         match self.settings.personality {
-            Personality::ArduPlane => self.answer_for_device(command.command as u32 as u16, command.params[0]),
-            Personality::Px4 => self
-                .execute_px4(command)
-                .or_else(|| self.answer_for_device(command.command as u32 as u16, command.params[0])),
+            Personality::ArduPlane => self.execute_arduplane(command),
+            Personality::Px4 => self.execute_px4(command),
             Personality::Generic => self.execute_generic(command),
         }
         .or_else(|| self.execute_standard_mode(command, link))
@@ -217,10 +238,10 @@ impl Vehicle {
 
     /// The answer to a command for a device that is not there; none if it is not for one, or the autopilot knows no such
     /// command.
-    pub(crate) fn answer_for_device(&self, command: u16, param_1: f32) -> Option<Result<(), Refusal>> {
+    pub(crate) fn answer_for_device(&self, command: u16, params: [f32; 4]) -> Option<Result<(), Refusal>> {
         match self.settings.personality {
-            Personality::ArduPlane => arduplane::devices::answer(command, param_1),
-            Personality::Px4 => px4::accepts_without_device(command).then_some(Ok(())),
+            Personality::ArduPlane => arduplane::devices::answer(command, params),
+            Personality::Px4 => px4::answer_by_number(command),
             Personality::Generic => None,
         }
     }

@@ -90,7 +90,7 @@ impl Host {
             .map(|(vehicle, mut own)| {
                 if let Some(folder) = &settings.state_folder {
                     own.kept_parameters = file::read_kept(&file::path(folder, vehicle))?;
-                    own.plans = plans::file::read(folder, vehicle)?;
+                    own.plans = plans::file::read(folder, vehicle, own.personality)?;
                 }
                 let built = match settings.clock {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),

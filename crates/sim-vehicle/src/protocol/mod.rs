@@ -58,7 +58,10 @@ impl Vehicle {
             Message::MANUAL_CONTROL(data) => self.control_manually(sender.system_id, data),
             Message::TIMESYNC(data) => self.answer_timesync(link, sender, data),
             Message::PING(data) => self.answer_ping(link, sender, data),
-            Message::REQUEST_DATA_STREAM(data) => self.set_data_stream(link, data),
+            // A PX4 passes it over.
+            Message::REQUEST_DATA_STREAM(data) if self.settings.personality != Personality::Px4 => {
+                self.set_data_stream(link, data);
+            }
             Message::FILE_TRANSFER_PROTOCOL(data) => self.refuse_file_transfer(link, sender, data),
             Message::LOG_REQUEST_LIST(_) => self.answer_log_request(link),
             // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.

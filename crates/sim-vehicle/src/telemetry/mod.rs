@@ -1,6 +1,7 @@
 //! What the vehicle says of itself.
 
 mod announce;
+mod extra;
 mod navigation;
 mod sensors;
 pub(crate) mod streams;
@@ -116,6 +117,8 @@ impl Instruments<'_> {
             Stream::PositionTargetGlobalInt => self.position_target_global_int(),
             Stream::Altitude => self.altitude(),
             Stream::Odometry => self.odometry(),
+            // What is only asked for; every stream is here or there.
+            other => self.extra(other).unwrap_or_else(telemetry::protocol_version),
         }
     }
 
@@ -154,7 +157,7 @@ impl Instruments<'_> {
         match stream {
             Stream::Wind => Some(mavlink_bridge::wind(&self.world.weather.estimate())),
             Stream::EkfStatusReport => Some(mavlink_bridge::ekf_status_report(self.estimator_flags())),
-            _ => None,
+            other => self.extra_of_ardupilot(other),
         }
     }
 

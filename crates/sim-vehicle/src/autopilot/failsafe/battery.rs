@@ -41,9 +41,28 @@ const CRITICAL: Threshold = Threshold {
     action: Parameter::BatteryCriticalAction,
 };
 
-/// Values of BATT_FS_LOW_ACT and BATT_FS_CRT_ACT.
-const RETURN: f32 = 1.0;
-const LAND: f32 = 2.0;
+/// What BATT_FS_LOW_ACT and BATT_FS_CRT_ACT ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Action {
+    Nothing,
+    Return,
+    Land,
+    /// Something that a plane without this device does not do.
+    Missing(&'static str),
+}
+
+impl Action {
+    /// A plane that is no quadplane lands for 4 and 6, and without AUTOLAND it returns for 7.
+    fn of(value: f32) -> Self {
+        match value as u8 {
+            0 => Self::Nothing,
+            2 | 4 | 6 => Self::Land,
+            3 => Self::Missing("termination"),
+            5 => Self::Missing("parachute"),
+            _ => Self::Return,
+        }
+    }
+}
 
 impl BatteryWatch {
     pub fn level(&self) -> BatteryLevel {
@@ -81,15 +100,19 @@ impl Vehicle {
         self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
         self.counters.failsafes += 1;
         // ArduPlane lands by the mission's landing sequence, and without one it returns.
-        match self.parameters.get(action) {
-            RETURN => self.set_mode(Mode::Rtl),
-            LAND if !self.flight.is_landing() => {
+        match Action::of(self.parameters.get(action)) {
+            Action::Nothing => {}
+            Action::Missing(what) => {
+                self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Battery failsafe: there is no {what}"));
+            }
+            Action::Return => self.set_mode(Mode::Rtl),
+            Action::Land if self.flight.is_landing() => {}
+            Action::Land => {
                 if let Err(refusal) = self.start_landing() {
                     self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal.reason.unwrap_or_default());
                     self.set_mode(Mode::Rtl);
                 }
             }
-            _ => {}
         }
     }
 

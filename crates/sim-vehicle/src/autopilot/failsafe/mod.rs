@@ -117,12 +117,67 @@ impl Vehicle {
         }
         self.failsafes.ground_lost = true;
         self.counters.failsafes += 1;
-        // By default ArduPlane goes on in GUIDED and AUTO, with what it was told last, and in no other mode.
-        let goes_on = matches!(self.mode(), Mode::Guided | Mode::Auto | Mode::Rtl);
-        if self.parameters.get(Parameter::LongFailsafeAction) != 0.0 || !goes_on {
-            self.set_mode(Mode::Rtl);
+        match long_action(self.parameters.get(Parameter::LongFailsafeAction), self.mode()) {
+            LongAction::GoOn => {}
+            LongAction::NoParachute => {
+                self.say(MavSeverity::MAV_SEVERITY_WARNING, "GCS Failsafe: there is no parachute");
+            }
+            LongAction::Glide => {
+                self.set_mode(Mode::Fbwa);
+                self.flight.glide();
+            }
+            // Without a mission AUTO returns.
+            LongAction::Auto => {
+                let _ = self.enter(Mode::Auto);
+            }
+            LongAction::Return => self.set_mode(Mode::Rtl),
         }
         let text = format!("GCS Failsafe On: switched to {}", self.mode());
         self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
+    }
+}
+
+/// What FS_LONG_ACTN brings about in a mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LongAction {
+    GoOn,
+    Return,
+    Glide,
+    NoParachute,
+    Auto,
+}
+
+/// `Plane::failsafe_long_on_event`: GUIDED and AUTO go on by default, and other modes return. AUTOLAND (5) is not simulated:
+/// RTL, as where it is not possible.
+fn long_action(value: f32, mode: Mode) -> LongAction {
+    let returns = mode == Mode::Rtl;
+    match value as u8 {
+        4 => LongAction::Auto,
+        _ if returns => LongAction::GoOn,
+        2 => LongAction::Glide,
+        3 => LongAction::NoParachute,
+        1 | 5 => LongAction::Return,
+        _ if matches!(mode, Mode::Guided | Mode::Auto) => LongAction::GoOn,
+        _ => LongAction::Return,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_value_of_the_long_failsafe_does_what_arduplane_does() {
+        for (value, guided, loiter, rtl) in [
+            (0.0, LongAction::GoOn, LongAction::Return, LongAction::GoOn),
+            (1.0, LongAction::Return, LongAction::Return, LongAction::GoOn),
+            (2.0, LongAction::Glide, LongAction::Glide, LongAction::GoOn),
+            (3.0, LongAction::NoParachute, LongAction::NoParachute, LongAction::GoOn),
+            (4.0, LongAction::Auto, LongAction::Auto, LongAction::Auto),
+            (5.0, LongAction::Return, LongAction::Return, LongAction::GoOn),
+        ] {
+            let found = [Mode::Guided, Mode::Loiter, Mode::Rtl].map(|mode| long_action(value, mode));
+            assert_eq!(found, [guided, loiter, rtl], "{value}");
+        }
     }
 }

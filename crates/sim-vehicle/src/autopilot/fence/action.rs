@@ -5,7 +5,7 @@ use super::{
     ALL, Floor, Kinds, MANUAL_RECOVERY, MAX_ALTITUDE, MIN_ALTITUDE, OPTION_LOCK_MODE, POLYGON, Place, Recovery,
     configured, has_option, inclusions_are_one, names,
 };
-use crate::firmware::Personality;
+use crate::firmware::{Personality, px4_fence_area};
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{Refusal, check_finite};
@@ -23,9 +23,25 @@ const WHEN_ARMED: f32 = 3.0;
 impl Vehicle {
     /// Another fence, or why it makes no sense: then the old one stays.
     pub(crate) fn replace_fence(&mut self, items: Vec<PlanItem>) -> Result<(), String> {
-        self.fence.area = area(&items, &self.settings.frame)?;
+        if self.settings.personality == Personality::Px4 {
+            self.px4_take_fence(&items);
+        } else {
+            self.fence.area = area(&items, &self.settings.frame)?;
+        }
         self.fence.items = items.iter().map(as_kept).collect();
         Ok(())
+    }
+
+    /// Of a PX4's fence that part counts which home, and a vehicle in flight, is inside of.
+    fn px4_take_fence(&mut self, items: &[PlanItem]) {
+        let acts = self.parameters.get(Parameter::FenceAction) != 0.0 && self.flight.is_flying();
+        let state = self.flight.estimate();
+        let here = acts.then_some((state.x_m, state.y_m));
+        let (area, said) = px4_fence_area(items, &self.settings.frame, self.flight.home().at(), here);
+        self.fence.area = area;
+        for text in said {
+            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, text);
+        }
     }
 
     /// A parameter has been set that says which fences are enabled.

@@ -50,7 +50,7 @@ impl Area {
 
 impl Shape {
     /// By the number of edges that a ray to the north meets: odd inside. A place on an edge may be on either side.
-    fn contains(&self, (x, y): Place) -> bool {
+    pub fn contains(&self, (x, y): Place) -> bool {
         match self {
             Shape::Circle { centre, radius_m } => {
                 let (north, east) = (x - centre.0, y - centre.1);

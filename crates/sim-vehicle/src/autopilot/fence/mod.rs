@@ -5,12 +5,11 @@ mod action;
 mod area;
 mod items;
 
-pub(crate) use area::Place;
+pub(crate) use area::{Area, Place, Shape};
 pub(crate) use items::{check, check_whole};
 
 use crate::mode::Mode;
 use crate::parameters::{Parameter, Parameters};
-use area::Area;
 use flight_model::State;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::FenceBreach;

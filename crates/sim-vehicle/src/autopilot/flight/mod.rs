@@ -48,6 +48,10 @@ pub(crate) struct Flight {
     /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
     speed_is_over_ground: bool,
+    /// The least speed over ground, m/s, for which the airspeed rises; 0 for none.
+    least_ground_speed_mps: f64,
+    /// Whether it glides with its engine idle, until another mode is set.
+    glides: bool,
     altitude: Ramp,
     /// Whether a guided command asked for that altitude.
     altitude_is_slewed: bool,
@@ -113,6 +117,8 @@ impl Flight {
             rally: None,
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
+            least_ground_speed_mps: 0.0,
+            glides: false,
             altitude: Ramp::at(start.altitude_m),
             altitude_is_slewed: false,
             direction: Direction::Course(start.course_rad),
@@ -217,11 +223,15 @@ impl Flight {
         let course_rad = self.guide_rad();
         let mut setpoint =
             Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
+        if self.least_ground_speed_mps > 0.0 {
+            let shortfall_mps = self.least_ground_speed_mps - self.state.speed_mps;
+            setpoint.speed_mps = setpoint.speed_mps.max(self.airspeed_mps() + shortfall_mps);
+        }
         setpoint = self.by_hand(setpoint);
         if let Stage::Landing(landing) = self.stage {
             setpoint = self.land(landing, &setpoint);
         }
-        if !self.is_engine_running() {
+        if !self.is_engine_running() || self.glides {
             setpoint.speed_mps = self.dynamics.limits.speed_min_mps;
             setpoint.altitude_m = self.altitude_to_climb_at(-self.airspeed_mps() / GLIDE_RATIO);
         }
@@ -261,6 +271,7 @@ impl Flight {
     /// Changes the mode; asking for the present one changes nothing, as in ArduPlane.
     pub fn set_mode(&mut self, mode: Mode) {
         if mode != self.mode {
+            self.glides = false;
             self.mode = mode;
             self.enter(mode);
         }
@@ -271,6 +282,16 @@ impl Flight {
         let value = if acceleration_mps2.is_finite() { self.airspeed_when_released_mps() } else { speed_mps };
         self.speed_is_over_ground = false;
         self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
+    }
+
+    /// Glides with its engine idle, until another mode is set.
+    pub fn glide(&mut self) {
+        self.glides = true;
+    }
+
+    /// From now on its airspeed rises where its speed over ground, m/s, would be lower.
+    pub fn set_least_ground_speed(&mut self, speed_mps: f64) {
+        self.least_ground_speed_mps = speed_mps;
     }
 
     /// Altitude setpoint, m above the origin, reached at no more than a rate in m/s (infinite: at once).

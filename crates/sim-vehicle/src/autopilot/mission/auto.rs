@@ -2,9 +2,11 @@
 
 use super::items::{
     CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
-    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT, altitude_datum,
+    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAG, TAKEOFF, WAYPOINT, altitude_datum, has_place,
 };
-use super::legs::{AltitudeEnd, CircleEnd, Leg};
+use super::legs::{AltitudeEnd, Leg};
+use super::loiter::{Exit, Goal, Loiter, PX4_ALTITUDE_M, Rules};
+use crate::autopilot::flight::TAKEOFF_TOLERANCE_M;
 use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
@@ -77,22 +79,27 @@ impl Vehicle {
         }
     }
 
-    /// Goes to an item of the mission, or says why not.
-    pub(crate) fn set_current_item(&mut self, seq: u16) -> Result<(), Refusal> {
+    /// Goes to an item of the mission, or says why not. Jumps that have been made count still, unless they are reset.
+    pub(crate) fn set_current_item(&mut self, seq: u16, reset: bool) -> Result<(), Refusal> {
         if self.mission.get(seq).is_none() {
             return Err(Refusal::denied(format!("Mission: no item {seq}")));
         }
         if !self.mission.is_flyable() {
             return Err(Refusal::failed("Mission: nothing to fly"));
         }
-        self.progress = Progress { current: seq.max(self.mission.first), has_begun: true, ..Progress::default() };
+        let jumps = if reset { Vec::new() } else { std::mem::take(&mut self.progress.jumps) };
+        self.progress =
+            Progress { current: seq.max(self.mission.first), has_begun: true, jumps, ..Progress::default() };
         Ok(())
     }
 
     /// DO_JUMP_TAG as a command: to the JUMP_TAG of that number.
     pub(crate) fn jump_to_tag(&mut self, tag: f32) -> Result<(), Refusal> {
-        match self.tagged(f64::from(tag)) {
-            Some(seq) => self.set_current_item(seq),
+        if tag >= 65_536.0 {
+            return Err(Refusal::denied("Mission: a tag has 16 bits"));
+        }
+        match self.tagged(f64::from(tag.trunc())) {
+            Some(seq) => self.set_current_item(seq, false),
             None => Err(Refusal::failed(format!("Mission: no tag {tag}"))),
         }
     }
@@ -133,6 +140,10 @@ impl Vehicle {
                     self.tell_reached(seq);
                 }
             } else if self.is_leg_done() {
+                if let Some(leg) = self.stay_at_waypoint(&item) {
+                    self.progress.leg = leg;
+                    return;
+                }
                 if item.command == TAKEOFF {
                     self.takeoff_changes_fence();
                 }
@@ -149,9 +160,11 @@ impl Vehicle {
     fn tell_end_of_leg(&mut self, seq: u16) {
         let text = match self.progress.leg {
             Leg::Place { at, .. } => format!("Reached waypoint #{seq} dist {:.0}m", self.distance_m(at)),
-            Leg::Circle { until: CircleEnd::Turned(_), .. } => "Loiter orbits complete".into(),
-            Leg::Circle { until: CircleEnd::Stayed(_), .. } => "Loiter time complete".into(),
-            Leg::Circle { until: CircleEnd::Altitude(_), .. } => "Loiter to alt complete".into(),
+            Leg::Circle(loiter) => match loiter.goal {
+                Goal::Turned(_) => "Loiter orbits complete".into(),
+                Goal::Stayed(_) | Goal::AltitudeAndStayed(..) => "Loiter time complete".into(),
+                Goal::Altitude(_) => "Loiter to alt complete".into(),
+            },
             Leg::Altitude(..) if self.mission.get(seq).is_some_and(|item| item.command == TAKEOFF) => {
                 let altitude_m = self.flight.estimate().altitude_m - self.flight.home().altitude_m;
                 format!("Takeoff complete at {altitude_m:.2}m")
@@ -180,7 +193,7 @@ impl Vehicle {
                 self.progress.leg = Leg::Begin;
                 return;
             }
-            Leg::Place { at, .. } | Leg::Circle { at, .. } => self.progress.from = Some(at),
+            Leg::Place { at, .. } | Leg::Circle(Loiter { centre: at, .. }) => self.progress.from = Some(at),
             _ => self.progress.from = None,
         }
         self.tell_end_of_leg(seq);
@@ -217,6 +230,7 @@ impl Vehicle {
         self.progress.leg = match item.command {
             WAYPOINT => {
                 let from = self.progress.from.unwrap_or_else(|| self.here());
+                let at = if self.rules() == Rules::ArduPlane { beyond(from, at, p3.clamp(0.0, 255.0)) } else { at };
                 self.flight.fly_leg(from, at);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
@@ -227,15 +241,23 @@ impl Vehicle {
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 Leg::Forever
             }
-            LOITER_TURNS => self.circle_until(at, or_usual(p3), altitude_m, CircleEnd::Turned(TAU * p1)),
-            LOITER_TIME => {
-                let stay = Duration::try_from_secs_f64(p1).unwrap_or(Duration::MAX);
-                self.circle_until(at, or_usual(p3), altitude_m, CircleEnd::Stayed(stay))
+            LOITER_TURNS => {
+                let exit = self.exit_of(seq, true);
+                self.circle_until(at, or_usual(p3), altitude_m, Goal::Turned(TAU * p1), exit)
             }
-            LOITER_TO_ALTITUDE => self.circle_until(at, or_usual(p2), altitude_m, CircleEnd::Altitude(altitude_m)),
+            LOITER_TIME => {
+                let (stay, exit) = (Duration::try_from_secs_f64(p1).unwrap_or_default(), self.exit_of(seq, p2 > 0.0));
+                self.circle_until(at, or_usual(p3), altitude_m, Goal::Stayed(stay), exit)
+            }
+            LOITER_TO_ALTITUDE => {
+                let exit = self.exit_of(seq, p1 > 0.0);
+                self.circle_until(at, or_usual(p2), altitude_m, Goal::Altitude(altitude_m), exit)
+            }
             TAKEOFF => {
-                self.flight.take_off(altitude_m.max(self.flight.state().altitude_m));
-                Leg::Altitude(altitude_m, AltitudeEnd::NotBelow)
+                // It is reached when it is exceeded.
+                let above_m = altitude_m + TAKEOFF_TOLERANCE_M;
+                self.flight.take_off(above_m.max(self.flight.state().altitude_m));
+                Leg::Altitude(altitude_m, AltitudeEnd::Exceeded)
             }
             CHANGE_ALTITUDE => {
                 self.flight.hold_course();
@@ -263,7 +285,8 @@ impl Vehicle {
                 return;
             }
             CHANGE_SPEED => {
-                self.change_mission_speed(p2);
+                let [kind, speed_mps, throttle, _] = item.params;
+                self.change_mission_speed([kind, speed_mps, throttle]);
                 return self.go_to(seq + 1);
             }
             SET_HOME => {
@@ -292,6 +315,21 @@ impl Vehicle {
         };
     }
 
+    /// A PX4 at a waypoint that is not at its altitude, or is to stay there for param 1 seconds, circles there.
+    fn stay_at_waypoint(&mut self, item: &PlanItem) -> Option<Leg> {
+        let Leg::Place { at, .. } = self.progress.leg else { return None };
+        if self.rules() != Rules::Px4 || item.command != WAYPOINT {
+            return None;
+        }
+        let altitude_m = self.altitude_of(item);
+        let stay = Duration::try_from_secs_f32(item.params[0]).unwrap_or_default();
+        let is_there = (self.flight.estimate().altitude_m - altitude_m).abs() <= PX4_ALTITUDE_M && stay.is_zero();
+        let exit = self.exit_of(self.progress.current, true);
+        let radius_m = self.flight.tuning().loiter_radius_m;
+        (!is_there)
+            .then(|| self.circle_until(at, radius_m, altitude_m, Goal::AltitudeAndStayed(altitude_m, stay), exit))
+    }
+
     /// Whether it is on the ground and the item is a place in the air: a PX4 takes off first, where an ArduPlane waits for a
     /// take-off that does not come.
     fn stands_before(&self, item: &PlanItem) -> bool {
@@ -306,19 +344,61 @@ impl Vehicle {
         (state.x_m, state.y_m)
     }
 
-    fn circle_until(&mut self, at: (f64, f64), radius_m: f64, altitude_m: f64, until: CircleEnd) -> Leg {
+    fn circle_until(&mut self, at: (f64, f64), radius_m: f64, altitude_m: f64, goal: Goal, exit: Exit) -> Leg {
+        let turn = if radius_m < 0.0 { -1.0 } else { 1.0 };
         let radius_m = self.flight.circle_at(at, radius_m);
         self.flight.set_altitude(altitude_m, f64::INFINITY);
-        Leg::Circle { at, radius_m, until, flown: None }
+        let margin_m = f64::from(self.parameters.get(Parameter::WaypointRadius));
+        let mut loiter = Loiter::new(at, radius_m, turn, goal, exit, self.rules());
+        (loiter.margin_m, loiter.altitude_m) = (margin_m, altitude_m);
+        Leg::Circle(loiter)
     }
 
-    /// -2: the usual speed; -1: no other.
-    fn change_mission_speed(&mut self, speed_mps: f64) {
-        let speed_mps = match speed_mps {
-            -1.0 => return,
-            -2.0 => f64::from(self.parameters.get(Parameter::AirspeedCruise)),
-            speed_mps => speed_mps,
-        };
+    fn rules(&self) -> Rules {
+        if self.settings.personality == Personality::Px4 { Rules::Px4 } else { Rules::ArduPlane }
+    }
+
+    /// Where a loiter leads to: an ArduPlane leaves any towards the next place, a PX4 where the item asks for it.
+    fn exit_of(&self, seq: u16, is_asked_for: bool) -> Exit {
+        if self.rules() == Rules::Px4 && !is_asked_for {
+            return Exit::AtOnce;
+        }
+        self.next_place(seq).map_or(Exit::AtOnce, Exit::Toward)
+    }
+
+    /// The place of the next item that is flown after an item; none where that has no place, and behind the last.
+    fn next_place(&self, seq: u16) -> Option<(f64, f64)> {
+        let mut at = seq;
+        // Jumps may go round.
+        for _ in 0..self.mission.len() {
+            at += 1;
+            let item = self.mission.get(at)?;
+            match item.command {
+                JUMP if self.would_jump(at, item) => at = (item.params[0] as u16).saturating_sub(1),
+                // Jumps, conditions and commands have higher numbers than what is flown.
+                0..95 => {
+                    let is_placed = has_place(item.command) && !item.position().is_zero();
+                    return is_placed.then(|| self.place_of(item));
+                }
+                _ => {}
+            }
+        }
+        None
+    }
+
+    fn would_jump(&self, seq: u16, item: &PlanItem) -> bool {
+        let made = self.progress.jumps.iter().find(|(jump, _)| *jump == seq).map_or(0, |(_, made)| *made);
+        item.params[1] < 0.0 || made < item.params[1] as u32
+    }
+
+    /// What the autopilot does not take changes nothing, and the mission goes on.
+    fn change_mission_speed(&mut self, [kind, speed_mps, throttle]: [f32; 3]) {
+        if self.settings.personality == Personality::ArduPlane {
+            let _ = self.change_speed_as_arduplane([kind, speed_mps, throttle]);
+            return;
+        }
+        let usual = f64::from(self.parameters.get(Parameter::AirspeedCruise));
+        let speed_mps = if speed_mps > 0.0 { f64::from(speed_mps) } else { usual };
         let least = f64::from(self.parameters.get(Parameter::AirspeedMin));
         let most = f64::from(self.parameters.get(Parameter::AirspeedMax));
         self.flight.set_speed(speed_mps.clamp(least, most), f64::INFINITY);
@@ -346,6 +426,16 @@ impl Vehicle {
     pub(crate) fn altitude_of(&self, item: &PlanItem) -> f64 {
         self.above_origin_m(altitude_datum(item).unwrap_or(AltitudeDatum::Home), f64::from(item.z_m))
     }
+}
+
+/// A place so far behind another one as seen from a third: a waypoint is passed by so much.
+fn beyond(from: (f64, f64), at: (f64, f64), distance_m: f64) -> (f64, f64) {
+    let (north, east) = (at.0 - from.0, at.1 - from.1);
+    let length_m = (north * north + east * east).sqrt();
+    if distance_m <= 0.0 || length_m <= 0.0 {
+        return at;
+    }
+    (at.0 + distance_m * north / length_m, at.1 + distance_m * east / length_m)
 }
 
 /// ArduPilot's short name of an item that is flown (`AP_Mission::Mission_Command::type`).

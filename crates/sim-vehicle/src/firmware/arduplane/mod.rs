@@ -1,6 +1,10 @@
 //! ArduPlane. Its modes are those of [`Mode`](crate::Mode), and its answers those of `protocol/command/`.
 
+mod commands;
 pub(super) mod devices;
+pub(super) mod messages;
+#[cfg(test)]
+mod page;
 mod targets;
 
 use crate::mode::Mode;

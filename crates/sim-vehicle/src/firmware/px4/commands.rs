@@ -3,64 +3,55 @@
 //! What it is not able to do now is TEMPORARILY_REJECTED; on the ground and disarmed any mode can be set, and arming is
 //! what is refused.
 
-use super::{MODES, SELECTABLE, mode_name};
+use super::{MODES, SELECTABLE, mode_name, params};
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::protocol::command::{Command, Refusal, angle_rad, check_finite, integer};
+use crate::telemetry::streams::Stream;
 use crate::vehicle::Vehicle;
 use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag, MavResult, MavSeverity};
-use mavlink_bridge::{CommandPosition, LatLonE7};
+use mavlink_bridge::{CommandPosition, LatLonE7, PlanItem};
 
 /// Param 2 of COMPONENT_ARM_DISARM: by force, to disarm in the air.
 const FORCE: f32 = 21196.0;
-
-/// The params that a command has, bit 0 being param 1 (`mavlink_command_params.hpp`): any other must be 0 or NaN.
-fn known_params(command: MavCmd) -> Option<u8> {
-    Some(match command {
-        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => 0,
-        MavCmd::MAV_CMD_NAV_LAND => 0x7B,
-        MavCmd::MAV_CMD_NAV_TAKEOFF => 0x79,
-        MavCmd::MAV_CMD_DO_SET_MODE | MavCmd::MAV_CMD_DO_CHANGE_SPEED => 0x07,
-        MavCmd::MAV_CMD_DO_LAND_START => 0x70,
-        MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT | MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => 0x03,
-        _ => return None,
-    })
-}
-
-/// How a COMMAND_INT leaves a position out.
-const NO_POSITION: LatLonE7 = LatLonE7 { latitude_e7: i32::MAX, longitude_e7: i32::MAX };
 
 fn rejected(reason: impl Into<String>) -> Refusal {
     Refusal::new(MavResult::MAV_RESULT_TEMPORARILY_REJECTED, reason)
 }
 
 impl Vehicle {
-    /// The answer of a PX4, if it is not that of an ArduPlane.
+    /// The answer of a PX4; none if it is that of every vehicle.
     pub(in crate::firmware) fn execute_px4(&mut self, command: &Command) -> Option<Result<(), Refusal>> {
-        if let Err(refusal) = check_unused_params(command) {
+        if let Err(refusal) = params::check_command(command) {
             return Some(Err(refusal));
         }
         let [p1, p2, p3, _] = command.params;
         Some(match command.command {
+            // They are all vehicles' own.
+            MavCmd::MAV_CMD_DO_SET_STANDARD_MODE
+            | MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL
+            | MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL
+            | MavCmd::MAV_CMD_REQUEST_MESSAGE
+            | MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => return None,
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.px4_arm_or_disarm(p1, p2),
             MavCmd::MAV_CMD_DO_SET_MODE => commanded_mode([p1, p2, p3]).and_then(|mode| self.px4_change_mode(mode)),
             MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => self.px4_change_mode(Mode::Rtl),
             MavCmd::MAV_CMD_NAV_LAND => self.px4_change_mode(Mode::Land),
             MavCmd::MAV_CMD_NAV_TAKEOFF => self.px4_take_off(command.z),
             MavCmd::MAV_CMD_MISSION_START => self.px4_start_mission(p1),
+            MavCmd::MAV_CMD_DO_LAND_START => self.px4_start_landing(),
+            MavCmd::MAV_CMD_DO_GO_AROUND => {
+                // It is accepted whether there is a landing to give up or not.
+                let _ = self.go_around(0.0);
+                Ok(())
+            }
             MavCmd::MAV_CMD_DO_REPOSITION => self.px4_reposition(command),
             MavCmd::MAV_CMD_DO_ORBIT => self.px4_orbit(command),
             MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => self.px4_change_altitude(p1),
             MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.px4_change_speed(p2),
             MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => self.px4_change_heading(p1, p2),
-            MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED
-            | MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE
-            | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
-            | MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT
-            | MavCmd::MAV_CMD_DO_FENCE_ENABLE
-            | MavCmd::MAV_CMD_GET_HOME_POSITION
-            | MavCmd::MAV_CMD_DO_RETURN_PATH_START => Err(Refusal::unsupported()),
-            _ => return None,
+            MavCmd::MAV_CMD_DO_SET_HOME => self.px4_set_home(command),
+            _ => return Some(self.px4_prepare(command)),
         })
     }
 
@@ -155,8 +146,71 @@ impl Vehicle {
         if !(-1.0..f32::from(self.mission.len())).contains(&p1) {
             return Err(Refusal::denied("Mission start denied! No such item"));
         }
+        if p1 >= 0.0 {
+            self.set_current_item(integer(p1) as u16, true)?;
+        }
         self.px4_change_mode(Mode::Auto)?;
         if self.flight.is_armed() { Ok(()) } else { self.px4_arm() }
+    }
+
+    /// DO_LAND_START: the mission, from its landing on.
+    fn px4_start_landing(&mut self) -> Result<(), Refusal> {
+        let Some(seq) = self.mission_landing() else {
+            return Err(Refusal::new(MavResult::MAV_RESULT_CANCELLED, "Planned mission landing not available"));
+        };
+        self.set_current_item(seq, true)?;
+        self.px4_change_mode(Mode::Auto)?;
+        if self.flight.is_armed() { Ok(()) } else { self.px4_arm() }
+    }
+
+    /// DO_SET_HOME. Param 1: 1 for where it is; else a place above sea level in any frame, all of it given.
+    fn px4_set_home(&mut self, command: &Command) -> Result<(), Refusal> {
+        if command.params[0] > 0.5 {
+            self.set_home_here();
+            self.home_is_set = true;
+            return Ok(());
+        }
+        let position = place("Home", command)?;
+        if position.is_some_and(|position| position.is_zero()) {
+            self.set_home_here();
+            self.home_is_set = true;
+            return Ok(());
+        }
+        let Some(position) = position else {
+            return Err(Refusal::denied("Home: no place is given"));
+        };
+        if !command.z.is_finite() {
+            return Err(Refusal::denied("Home: no altitude is given"));
+        }
+        let altitude_m = self.px4_altitude_m(command.z)?;
+        self.set_home_at(self.to_local(position), altitude_m);
+        self.home_is_set = true;
+        Ok(())
+    }
+
+    /// Takes note whether a mission can be flown, and says why not.
+    pub(crate) fn px4_judge_mission(&mut self, items: &[PlanItem]) {
+        let home_m = self.flight.home().altitude_m;
+        let verdict = super::check_mission(items, !self.flight.is_flying(), |item| self.altitude_of(item) - home_m);
+        self.mission.is_feasible = verdict.is_ok();
+        if let Err(reason) = verdict {
+            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &reason);
+        }
+    }
+
+    /// Whether a message has content: no place to fly to is told on the ground, and sticks that nobody holds.
+    pub(crate) fn px4_has(&self, stream: Stream) -> bool {
+        match stream {
+            Stream::NavControllerOutput | Stream::PositionTargetGlobalInt | Stream::PositionTargetLocalNed => {
+                self.flight.is_flying()
+            }
+            Stream::RcChannels => self.are_sticks_held(),
+            // It has one sensor of each.
+            Stream::ScaledImu2 | Stream::ScaledImu3 | Stream::ScaledPressure2 => false,
+            // For a radio link of its own.
+            Stream::HighLatency2 => false,
+            _ => true,
+        }
     }
 
     /// Param 1: m/s, or -1. Param 2: 1 to go into Hold. Param 3: radius in m. x, y: a place, or where it is. z: m above sea
@@ -261,15 +315,10 @@ impl Vehicle {
     }
 }
 
-/// Commands for gimbals that a PX4 accepts without one (`navigator_main.cpp`): regions of interest.
-pub(in crate::firmware) fn accepts_without_device(command: u16) -> bool {
-    matches!(command, 195 | 197 | 201)
-}
-
 /// A place that a command may leave out.
 fn place(name: &str, command: &Command) -> Result<Option<LatLonE7>, Refusal> {
     let is_given = match command.position {
-        CommandPosition::Int(position) => position != NO_POSITION,
+        CommandPosition::Int(position) => position != LatLonE7::new(i32::MAX, i32::MAX),
         CommandPosition::Long(degrees) => degrees.iter().all(|degrees| degrees.is_finite()),
     };
     let place = is_given.then(|| command.lat_lon());
@@ -284,11 +333,28 @@ pub(super) fn ends_a_flight(mode: Mode) -> bool {
     matches!(mode, Mode::Rtl | Mode::Land)
 }
 
+/// The mode that the flags of MAVLink's older base modes mean.
+fn base_mode_of(flags: MavModeFlag) -> Result<Mode, Refusal> {
+    if flags.contains(MavModeFlag::MAV_MODE_FLAG_AUTO_ENABLED) {
+        return Ok(Mode::Auto);
+    }
+    if !flags.contains(MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED) {
+        return Err(rejected("Unsupported base mode"));
+    }
+    Ok(if flags.contains(MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED) {
+        Mode::Cruise
+    } else if flags.contains(MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED) {
+        Mode::Stabilize
+    } else {
+        Mode::Manual
+    })
+}
+
 /// Params of DO_SET_MODE: flags, main mode, sub mode.
 pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> Result<Mode, Refusal> {
-    let custom = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
-    if integer(base_mode) & custom == 0 {
-        return Err(rejected("Unsupported base mode"));
+    let flags = MavModeFlag::from_bits_truncate(integer(base_mode) as u8);
+    if !flags.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED) {
+        return base_mode_of(flags);
     }
     // AUTO without more is the mission, and the sub mode counts in AUTO alone.
     let (main, sub) = match (integer(main), integer(sub)) {
@@ -303,21 +369,5 @@ pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> R
         Some((mode, ..)) => Ok(mode),
         None if main == 4 => Err(rejected("Unsupported auto mode")),
         None => Err(rejected("Unsupported main mode")),
-    }
-}
-
-/// A param that a command has not must be 0 or NaN.
-fn check_unused_params(command: &Command) -> Result<(), Refusal> {
-    let Some(known) = known_params(command.command) else { return Ok(()) };
-    let [p1, p2, p3, p4] = command.params;
-    let [p5, p6] = match command.position {
-        CommandPosition::Int(NO_POSITION) => [0.0; 2],
-        CommandPosition::Int(position) => [position.latitude_e7 as f32, position.longitude_e7 as f32],
-        CommandPosition::Long(degrees) => degrees,
-    };
-    let all = [p1, p2, p3, p4, p5, p6, command.z];
-    match all.iter().enumerate().find(|(index, param)| known >> index & 1 == 0 && !param.is_nan() && **param != 0.0) {
-        Some((index, _)) => Err(Refusal::denied(format!("Command: param {} is not supported", index + 1))),
-        None => Ok(()),
     }
 }

@@ -36,6 +36,7 @@ impl Vehicle {
     }
 
     pub(in crate::firmware) fn follow_px4(&mut self) {
+        self.px4_follow_calibration();
         if !self.flight.is_armed() {
             self.px4.armed_at = None;
             if std::mem::take(&mut self.px4.was_armed) {

@@ -3,12 +3,22 @@
 
 mod commands;
 mod failsafe;
+mod feasibility;
+mod geofence;
+pub(super) mod messages;
+mod mission_items;
 mod offboard;
 mod parameters;
+mod params;
+mod preflight;
 
-pub(super) use commands::{accepts_without_device, commanded_mode};
+pub(super) use commands::commanded_mode;
 pub(crate) use failsafe::Failsafe;
+pub(in crate::firmware) use feasibility::check as check_mission;
+pub(crate) use geofence::area as fence_area;
+pub(in crate::firmware) use mission_items::check as check_item;
 pub(super) use parameters::{ABSENT_PARAMETERS, OWN_PARAMETERS, parameter};
+pub(super) use preflight::answer_by_number;
 
 use crate::mode::Mode;
 use mavlink_bridge::dialect::MavModeFlag;
@@ -33,6 +43,8 @@ pub(crate) struct State {
     pub mode_to_restore: Option<Mode>,
     /// When it was armed on the ground and has not yet flown.
     pub armed_at: Option<Duration>,
+    /// What is being calibrated.
+    pub calibration: Option<preflight::Calibration>,
 }
 
 /// A mode's main and sub number, and PX4's name of it (`px4_custom_mode.h`, `lib/modes/ui.hpp`).

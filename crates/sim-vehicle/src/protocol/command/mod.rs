@@ -144,10 +144,8 @@ impl Vehicle {
         match command.command {
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => self.arm_or_disarm([p1, p2]),
             MavCmd::MAV_CMD_RUN_PREARM_CHECKS => self.run_prearm_checks(),
-            MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if self.settings.personality != Personality::Px4 => {
-                self.calibrate([p1, p3])
-            }
-            MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => self.reboot(p1),
+            MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => self.calibrate([p1, p3]),
+            MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => self.reboot(command),
             MavCmd::MAV_CMD_DO_SET_HOME => self.do_set_home(command),
             MavCmd::MAV_CMD_DO_SET_MODE => self.change_mode(p1, p2),
             MavCmd::MAV_CMD_NAV_LOITER_UNLIM => self.enter(Mode::Loiter),
@@ -156,8 +154,12 @@ impl Vehicle {
             MavCmd::MAV_CMD_DO_LAND_START => self.start_landing(),
             MavCmd::MAV_CMD_DO_RETURN_PATH_START => self.start_return_path(),
             MavCmd::MAV_CMD_DO_GO_AROUND => self.go_around(p1),
-            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item(p1),
-            MavCmd::MAV_CMD_DO_JUMP_TAG if self.settings.personality != Personality::Px4 => self.jump_to_tag(p1),
+            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => self.set_current_mission_item([p1, p2], link),
+            MavCmd::MAV_CMD_DO_JUMP_TAG => {
+                self.jump_to_tag(p1)?;
+                self.send_stream(link, Stream::MissionCurrent);
+                Ok(())
+            }
             MavCmd::MAV_CMD_DO_FENCE_ENABLE => self.enable_fence([p1, p2]),
             // ArduPlane takes it for quadplanes alone.
             MavCmd::MAV_CMD_NAV_TAKEOFF => Err(Refusal::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
@@ -168,7 +170,7 @@ impl Vehicle {
             MavCmd::MAV_CMD_DO_CHANGE_SPEED => self.change_speed([p1, p2, p3]),
             MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => self.change_altitude([p1, p2]),
             MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL => self.tell_message_interval(p1, link),
-            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => self.set_message_interval([p1, p2], link),
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => self.set_message_interval(command.params, command.z, link),
             MavCmd::MAV_CMD_REQUEST_MESSAGE => self.request_message([p1, p2], link),
             MavCmd::MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => {
                 self.answer_old_request(p1, Stream::AutopilotVersion, link)
@@ -201,7 +203,7 @@ impl Vehicle {
                 Ok(())
             }
             BATTERY_RESET if self.settings.personality != Personality::Px4 => self.reset_battery([p1, p2]),
-            number => self.answer_for_device(number, p1).unwrap_or(Err(Refusal::unsupported())),
+            number => self.answer_for_device(number, raw.params).unwrap_or(Err(Refusal::unsupported())),
         }
     }
 
@@ -243,9 +245,12 @@ impl Vehicle {
         self.enter(Mode::Auto)
     }
 
-    fn set_current_mission_item(&mut self, seq: f32) -> Result<(), Refusal> {
+    /// Param 1: the item. Param 2: 1 to begin counting jumps anew. Who asks is told the current item at once.
+    fn set_current_mission_item(&mut self, [seq, reset]: [f32; 2], link: usize) -> Result<(), Refusal> {
         check_finite("Mission", &[seq])?;
-        self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX))
+        self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX), reset == 1.0)?;
+        self.send_stream(link, Stream::MissionCurrent);
+        Ok(())
     }
 
     fn check_guided_command(&self, name: &str) -> Result<(), Refusal> {
@@ -353,23 +358,40 @@ impl Vehicle {
         Ok(())
     }
 
-    /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s, or -2 for AIRSPEED_CRUISE. Param 3: a throttle in percent,
-    /// which has no effect on how this flight model flies.
-    fn change_speed(&mut self, [kind, speed_mps, throttle_percent]: [f32; 3]) -> Result<(), Refusal> {
+    /// DO_CHANGE_SPEED, in GUIDED and AUTO.
+    fn change_speed(&mut self, params: [f32; 3]) -> Result<(), Refusal> {
         if self.mode() != Mode::Auto {
             self.check_guided_command("Speed")?;
         }
-        check_finite("Speed", &[kind, speed_mps])?;
-        if !(0..=1).contains(&integer(kind)) {
-            return Err(Refusal::failed("Speed: only air and ground speed can be set"));
-        }
-        let usual = integer(kind) == 0 && speed_mps == -2.0;
-        let speed_mps = if usual { self.parameters.get(Parameter::AirspeedCruise) } else { speed_mps };
-        match self.check_speed(speed_mps) {
-            Ok(()) => self.flight.set_speed(f64::from(speed_mps), f64::INFINITY),
-            Err(_) if throttle_percent > 0.0 && throttle_percent <= 100.0 => {}
-            Err(refusal) => return Err(refusal),
-        }
-        Ok(())
+        check_finite("Speed", &params[..2])?;
+        self.change_speed_as_arduplane(params)
+    }
+
+    /// Param 1: airspeed (0), ground speed (1), or others, which an ArduPlane has not. Param 2: m/s, or -2 for
+    /// AIRSPEED_CRUISE; a ground speed is the least one that it flies, as far as its airspeed may rise. Param 3: a throttle in
+    /// percent, which is accepted where there is no speed, and has no effect on how this flight model flies.
+    pub(crate) fn change_speed_as_arduplane(&mut self, [kind, speed_mps, throttle]: [f32; 3]) -> Result<(), Refusal> {
+        let refused = match integer(kind) {
+            0 if speed_mps == -2.0 => {
+                let usual_mps = self.parameters.get(Parameter::AirspeedCruise);
+                self.flight.set_speed(f64::from(usual_mps), f64::INFINITY);
+                return Ok(());
+            }
+            0 => match self.check_speed(speed_mps) {
+                Ok(()) => {
+                    self.flight.set_speed(f64::from(speed_mps), f64::INFINITY);
+                    self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Set airspeed {speed_mps:.0} m/s"));
+                    return Ok(());
+                }
+                Err(refusal) => refusal,
+            },
+            1 => {
+                self.flight.set_least_ground_speed(f64::from(speed_mps));
+                self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("Set groundspeed {speed_mps:.0}"));
+                return Ok(());
+            }
+            _ => Refusal::failed("Speed: only air and ground speed can be set"),
+        };
+        if throttle > 0.0 && throttle <= 100.0 { Ok(()) } else { Err(refused) }
     }
 }

@@ -12,6 +12,7 @@ pub(crate) use upload::Uploads;
 
 use crate::autopilot::mission::WAYPOINT;
 use crate::autopilot::{fence, mission, rally};
+use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::Parameter;
 use crate::settings::SettingsError;
@@ -122,10 +123,7 @@ impl Vehicle {
     /// it is another one, and not the old one with some items changed.
     pub(crate) fn replace_plan(&mut self, kind: PlanKind, items: Vec<PlanItem>, anew: bool) -> Result<(), String> {
         match kind {
-            PlanKind::Mission => {
-                self.mission.items = items;
-                self.mission_changed(anew);
-            }
+            PlanKind::Mission => self.replace_mission(items, anew),
             PlanKind::Fence => self.replace_fence(items)?,
             PlanKind::Rally => self.rally.items = items.iter().map(rally::as_kept).collect(),
         }
@@ -133,11 +131,24 @@ impl Vehicle {
         Ok(())
     }
 
+    fn replace_mission(&mut self, items: Vec<PlanItem>, anew: bool) {
+        if self.settings.personality == Personality::Px4 {
+            // The same mission again goes on where it is.
+            if items == self.mission.items {
+                return;
+            }
+            self.px4_judge_mission(&items);
+        }
+        self.mission.items = items;
+        self.mission_changed(anew);
+    }
+
     /// Takes the plans that were on board before.
     pub(crate) fn restore_plans(&mut self, mut plans: Plans) -> Result<(), SettingsError> {
         for kind in PlanKind::ALL {
             let items = plans.take(kind);
-            check_items(kind, &items, self.mission.first).map_err(|(_, reason)| SettingsError::Plan(reason))?;
+            let personality = self.settings.personality;
+            check_items(kind, &items, personality).map_err(|(_, reason)| SettingsError::Plan(reason))?;
             let refused = |reason| SettingsError::Plan(format!("{} refused: {reason}", kind.name()));
             // None kept is none cleared: home stays.
             if !items.is_empty() {
@@ -168,7 +179,7 @@ impl Vehicle {
             }
             PlanMessage::SetCurrent(seq) => {
                 // It has no acknowledgement of its own. Whoever hears at once of another item than he asked for asks again.
-                match self.set_current_item(seq) {
+                match self.set_current_item(seq, false) {
                     Ok(()) => self.send_stream(link, Stream::MissionCurrent),
                     Err(refusal) => self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal.reason.unwrap_or_default()),
                 }
@@ -288,17 +299,20 @@ impl Vehicle {
 }
 
 /// Whether items can be a plan; the index of the one that cannot, of the first too many or of their end, and why.
-fn check_items(kind: PlanKind, items: &[PlanItem], first: u16) -> Result<(), (usize, String)> {
+fn check_items(kind: PlanKind, items: &[PlanItem], personality: Personality) -> Result<(), (usize, String)> {
     let count = u16::try_from(items.len()).unwrap_or(u16::MAX);
     if count > kind.items_max() {
         let most = kind.items_max();
         return Err((usize::from(most), format!("{} refused: more than {most} items", kind.name())));
     }
     for (seq, item) in (0..count).zip(items) {
-        kind.check(seq, item, count, first)
+        // By which message it came is not known any more.
+        let check = |by_integers| personality.check_plan_item(kind, seq, item, count, by_integers);
+        check(true)
+            .or_else(|result| check(false).map_err(|_| result))
             .map_err(|result| (usize::from(seq), format!("{}: item {seq}", refusal(kind.name(), result))))?;
     }
-    if kind == PlanKind::Fence {
+    if kind == PlanKind::Fence && personality != Personality::Px4 {
         fence::check_whole(items).map_err(|reason| (items.len(), format!("Fence refused: {reason}")))?;
     }
     Ok(())

@@ -148,7 +148,8 @@ impl Vehicle {
             // As in ArduPilot, the upload goes on with the item that was asked for.
             self.refuse_plan(link, sender, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
         } else if seq == next {
-            if let Err(result) = kind.check(seq, &item, total, self.mission.first) {
+            let by_integers = !self.links.has_old_items(link);
+            if let Err(result) = self.settings.personality.check_plan_item(kind, seq, &item, total, by_integers) {
                 *self.uploads.of(kind) = None;
                 let text = format!("{}, item {seq} ({})", refusal(kind.name(), result), item.command);
                 self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);

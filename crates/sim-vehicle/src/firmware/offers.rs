@@ -1,0 +1,28 @@
+//! What an autopilot makes of a message that somebody asks for, by its number.
+
+use super::{Personality, arduplane, px4};
+use crate::telemetry::streams::Stream;
+
+/// A message as an autopilot offers it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Offer {
+    /// It can be sent, at a rate and when asked for.
+    Sent(Stream),
+    /// Its rate can be set and it is accepted when asked for, but nothing comes: for want of this.
+    Silent(&'static str),
+    /// Its rate can be set, and it is refused when asked for.
+    RateAlone,
+    /// It is not known.
+    None,
+}
+
+impl Personality {
+    /// What it makes of a message.
+    pub(crate) fn offer(self, message_id: u32) -> Offer {
+        match self {
+            Personality::ArduPlane => arduplane::messages::offer(message_id),
+            Personality::Px4 => px4::messages::offer(message_id),
+            Personality::Generic => Stream::from_message_id(message_id).map_or(Offer::None, Offer::Sent),
+        }
+    }
+}
