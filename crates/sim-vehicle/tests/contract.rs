@@ -322,7 +322,7 @@ fn message_rates_are_set_for_the_asking_link() {
         assert_eq!(answer.iter().filter(|message| message.message_id() == expected).count(), 1);
         assert_eq!(acknowledgement(&answer).unwrap().result, MAV_RESULT_ACCEPTED);
     }
-    assert_eq!(client.command_long(MAV_CMD_REQUEST_MESSAGE, [259.0, 0.0, 0.0]), Some(MAV_RESULT_FAILED));
+    assert_eq!(client.command_long(MAV_CMD_REQUEST_MESSAGE, [261.0, 0.0, 0.0]), Some(MAV_RESULT_FAILED));
 }
 
 #[test]
