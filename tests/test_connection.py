@@ -1,7 +1,7 @@
 """The questions that QGroundControl and MAVProxy ask when they connect: each has an answer or a refusal."""
 
 import pytest
-from ground import ACCEPTED, DENIED, FAILED, UNSUPPORTED
+from ground import ACCEPTED, FAILED, UNSUPPORTED
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 PLANS = [mavlink.MAV_MISSION_TYPE_MISSION, mavlink.MAV_MISSION_TYPE_FENCE, mavlink.MAV_MISSION_TYPE_RALLY]
