@@ -2,8 +2,11 @@
 
 use crate::compare::Seeds;
 use crate::config::{Layer, flags};
+use crate::station::frames::Origin;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use mavlink_bridge::kind::AtEnd;
+use mavlink_bridge::link::Connection;
 use optimizer::Algorithm;
 use optimizer::suites::Suite;
 use std::ffi::OsString;
@@ -77,6 +80,12 @@ Examples:
   columba vehicles & columba fly           in real time; the vehicles' telemetry comes to UDP 14550
   columba vehicles --lockstep & columba fly --lockstep
                                            in simulated time, as fast as it goes
+  columba fly field.toml --link udpin:127.0.0.1:14550
+                                           real autopilots, from the ground to the ground; docs/real-autopilots.md
+  columba fly field.toml --link tcp:127.0.0.1:5760 --link tcp:127.0.0.1:5770 --dry-run
+                                           who is there, and what is missing; nobody is commanded
+
+On the terminal, while it flies: pause, resume, abort, drop N, take N, status. Ctrl-C ends it as --at-end says.
 
 Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";
 
@@ -131,10 +140,12 @@ pub enum Command {
     Vehicles(VehiclesArgs),
     /// Runs only the ground controller, against whatever answers.
     ///
-    /// Waits until every vehicle of the scenario has said where it is, brings them into GUIDED, arms them and flies them. Writes
-    /// the same folder as run.
+    /// Waits until every vehicle of the scenario is ready, compares its limits, arms all and lets them take off, gathers them at the
+    /// scenario's starts, flies them, and leaves none alone. Vehicles that fly already are taken over. Writes the same folder as run.
     #[command(after_long_help = FLY_EXAMPLES)]
     Fly(FlyArgs),
+    /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while it flew.
+    Recover(RecoverArgs),
     /// Compares optimisers and settings over many flights: tables with intervals and tests, and figures of each.
     ///
     /// Every contender flies every scenario with every seed, in memory and in parallel. Without a file, the paper's flight.
@@ -201,6 +212,48 @@ pub struct FlyArgs {
     /// Vehicle seconds for each second of the wall clock, as the vehicles were told.
     #[arg(long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub speed: f64,
+    /// The ground station.
+    #[command(flatten)]
+    pub station: StationArgs,
+}
+
+/// What `fly` tells its ground station.
+#[derive(Debug, Args)]
+pub struct StationArgs {
+    /// A link to autopilots, as udpin:127.0.0.1:14550, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, serial:/dev/ttyUSB0:57600 or
+    /// /dev/ttyUSB0,57600; with or without //. May be given several times.
+    #[arg(long, value_name = "LINK")]
+    pub link: Vec<Connection>,
+    /// System ids of the vehicles, in the order of the scenario; by default those that are heard, in their own order.
+    #[arg(long, value_name = "IDS", value_delimiter = ',')]
+    pub systems: Option<Vec<u8>>,
+    /// What vehicles do when the flight is over, fails or is interrupted: loiter, return, land or continue.
+    #[arg(long, value_name = "WHAT", default_value = "loiter", value_parser = at_end())]
+    pub at_end: AtEnd,
+    /// Does all but command: says who is there, what is missing, and what does not fit.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Where the scenario's frame is: home (of the first vehicle), or LATITUDE,LONGITUDE,ALTITUDE in degrees and m above mean sea
+    /// level; by default as the scenario has it.
+    #[arg(long, value_name = "PLACE", allow_hyphen_values = true)]
+    pub origin: Option<Origin>,
+    /// How long vehicles may take to be ready, and then to take off, in seconds.
+    #[arg(long, value_name = "S", default_value = "120", value_parser = patience)]
+    pub patience: f64,
+    /// File with the key of MAVLink 2 signatures, 64 hexadecimal digits or 32 bytes, which its owner alone may read: what goes out
+    /// is signed, and what is not signed with it is rejected.
+    #[arg(long, value_name = "FILE")]
+    pub signing_key: Option<PathBuf>,
+}
+
+/// `columba recover`.
+#[derive(Debug, Args)]
+pub struct RecoverArgs {
+    /// The folder of the flight.
+    pub folder: PathBuf,
+    /// Writes no report and no figures, only the record.
+    #[arg(long)]
+    pub no_report: bool,
 }
 
 /// `columba compare`.
@@ -293,6 +346,17 @@ pub fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
     keys.try_map(|key| {
         Algorithm::ALL.iter().copied().find(|algorithm| algorithm.key() == key).ok_or("no such optimiser")
     })
+}
+
+fn at_end() -> impl TypedValueParser<Value = AtEnd> {
+    let names = PossibleValuesParser::new(AtEnd::ALL.map(|(name, _)| name));
+    names.try_map(|name| {
+        AtEnd::ALL.into_iter().find(|(known, _)| *known == name).map(|(_, end)| end).ok_or("no such end")
+    })
+}
+
+fn patience(text: &str) -> Result<f64, String> {
+    number(text, 1.0, 3600.0)
 }
 
 fn speed(text: &str) -> Result<f64, String> {

@@ -171,6 +171,10 @@ pub struct Summary {
     /// Counters of the link, as an object; `null` for a run in memory.
     #[serde(default)]
     pub link: serde_json::Value,
+    /// What a ground station knows of a flight with vehicles that keep their own time: events, vehicles, and what the least
+    /// distances rest on; `null` for others.
+    #[serde(default)]
+    pub station: serde_json::Value,
     /// The version of Columba that flew.
     pub version: String,
 }

@@ -12,4 +12,5 @@ pub mod judge;
 pub mod record;
 pub mod report;
 pub mod smoothness;
+pub mod station;
 pub mod suites;

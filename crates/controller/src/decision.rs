@@ -1,7 +1,7 @@
 //! The settings of a flock and its decisions: what goes into a tick and what comes out.
 
 use crate::{ControllerSettings, Expected, Obstacle};
-use flight_model::{Dynamics, Setpoint};
+use flight_model::{Dynamics, RangeError, Ranges, Setpoint};
 use optimizer::OptimizerSettings;
 use std::time::Duration;
 
@@ -47,6 +47,32 @@ impl FlockSettings {
             dynamics: Dynamics::default(),
         }
     }
+}
+
+impl FlockSettings {
+    /// Every setting that is out of its range, except those of the optimiser.
+    pub fn check(&self) -> Vec<RangeError> {
+        let limits = self.dynamics.limits;
+        let mut ranges = Ranges::default();
+        ranges.within("control_period_s", self.control_period_s, 0.001, 10.0);
+        ranges.within("expected.speed_mps", self.expected.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
+        ranges.extend(self.controller.law.check());
+        ranges.extend(self.controller.weights.check());
+        ranges.extend(self.controller.look_ahead.check());
+        ranges.extend(self.dynamics.check());
+        ranges.errors()
+    }
+}
+
+/// Why a flock cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FlockError {
+    /// A setting of the flock is out of its range.
+    #[error("{0}")]
+    Setting(RangeError),
+    /// A setting of the optimiser is out of its range.
+    #[error(transparent)]
+    Optimizer(#[from] optimizer::SettingsError),
 }
 
 /// The setpoint of one vehicle at one tick, and how it was chosen.

@@ -4,7 +4,7 @@ use crate::command::Commander;
 use crate::forecast::{Forecast, LawContext};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
-use crate::{Decision, FlockSettings, ForecastKind};
+use crate::{Decision, FlockError, FlockSettings, ForecastKind, Obstacle};
 use flight_model::{Autopilot, State};
 use rayon::prelude::*;
 use std::time::Duration;
@@ -26,9 +26,12 @@ impl Flock {
     /// The controller of a flock of `vehicles` vehicles.
     ///
     /// # Errors
-    /// A setting of the optimiser is out of its range.
-    pub fn new(settings: FlockSettings, vehicles: usize) -> Result<Self, optimizer::SettingsError> {
-        let pilots = (0..vehicles).map(|_| Pilot::new(&settings)).collect::<Result<_, _>>()?;
+    /// The first setting that is out of its range; [`FlockSettings::check`] finds all of them.
+    pub fn new(settings: FlockSettings, vehicles: usize) -> Result<Self, FlockError> {
+        if let Some(error) = settings.check().into_iter().next() {
+            return Err(FlockError::Setting(error));
+        }
+        let pilots = (0..vehicles).map(|_| Pilot::new(&settings)).collect::<Result<_, optimizer::SettingsError>>()?;
         Ok(Self {
             half_period: Autopilot::new(&settings.dynamics, 0.5 * settings.control_period_s),
             commander: Commander::new(&settings.controller.law, &settings.dynamics, settings.control_period_s),
@@ -39,6 +42,11 @@ impl Flock {
             // Before the first solve the forecast flies the law with all weights one.
             decisions: vec![Decision { weights: [1.0; 3], ..Decision::default() }; vehicles],
         })
+    }
+
+    /// Replaces the obstacles: those that move are given anew before each tick.
+    pub fn set_obstacles(&mut self, obstacles: Vec<Obstacle>) {
+        self.settings.obstacles = obstacles;
     }
 
     /// Algorithm 2 for one control period: a decision for each vehicle, in the order of `states`.
@@ -77,7 +85,7 @@ impl Flock {
     ///     }
     /// }
     /// assert!(states.iter().all(|state| state.x_m > 90.0), "all are past the obstacle");
-    /// # Ok::<(), optimizer::SettingsError>(())
+    /// # Ok::<(), controller::FlockError>(())
     /// ```
     pub fn tick(&mut self, tick: u64, states: &[State], clock: &(dyn Fn() -> Duration + Sync)) -> &[Decision] {
         self.look_around(states);

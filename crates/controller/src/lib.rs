@@ -36,7 +36,7 @@ mod rollout;
 mod settings;
 pub mod terms;
 
-pub use decision::{Decision, FlockSettings};
+pub use decision::{Decision, FlockError, FlockSettings};
 pub use field::{Expected, Obstacle};
 pub use flock::Flock;
 pub use settings::{

@@ -26,9 +26,6 @@ pub type Each = [f64; BATCH];
 
 /// The bounding box of all pigeons. Something far from the box is far from every pigeon, and is skipped for all of them
 /// at once.
-///
-/// Its sums are written out: a vector's operators would be calls that are not compiled for the vector instructions of
-/// the batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     low: Vector2<f64>,

@@ -2,7 +2,7 @@
 
 mod flight;
 
-use controller::{ControllerSettings, Expected, Flock, FlockSettings, Obstacle};
+use controller::{ControllerSettings, Expected, Flock, FlockError, FlockSettings, Obstacle};
 use flight::fly;
 use flight_model::State;
 use std::time::Duration;
@@ -65,6 +65,29 @@ fn the_presets_fly_and_differ() {
     assert!(literal.decisions.iter().flatten().all(|decision| decision.setpoint.is_finite()));
     let shared = paper.decisions.iter().flatten().all(|d| d.weights[0] == d.weights[1] && d.weights[1] == d.weights[2]);
     assert!(shared, "the paper has one alpha");
+}
+
+#[test]
+fn settings_out_of_range_are_refused_with_their_name() {
+    let refused = |change: fn(&mut FlockSettings)| {
+        let mut settings = settings();
+        change(&mut settings);
+        Flock::new(settings, 2).err()
+    };
+    let name = |change: fn(&mut FlockSettings)| match refused(change) {
+        Some(FlockError::Setting(error)) => error.name,
+        other => panic!("{:?}", other.map(|error| error.to_string())),
+    };
+    assert_eq!(name(|settings| settings.control_period_s = 0.0), "control_period_s");
+    assert_eq!(name(|settings| settings.expected.speed_mps = f64::NAN), "expected.speed_mps");
+    assert_eq!(name(|settings| settings.controller.look_ahead.horizon_s = f64::INFINITY), "horizon_s");
+    assert_eq!(name(|settings| settings.controller.weights.max = -1.0), "max");
+    assert_eq!(name(|settings| settings.dynamics.time_constants.speed_s = 0.0), "speed_time_constant_s");
+    let optimizer = refused(|settings| settings.optimizer.mslpio.iterations = usize::MAX);
+    assert!(matches!(optimizer, Some(FlockError::Optimizer(error)) if error.setting == "iterations"));
+    for controller in [ControllerSettings::default(), ControllerSettings::paper(), ControllerSettings::literal()] {
+        assert!(FlockSettings { controller, ..settings() }.check().is_empty());
+    }
 }
 
 #[test]

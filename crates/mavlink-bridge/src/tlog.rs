@@ -26,6 +26,14 @@ impl<W: Write> TlogWriter<W> {
         self.out.write_all(frame_bytes)
     }
 
+    /// Writes what is buffered.
+    ///
+    /// # Errors
+    /// What the output says.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+
     /// Writes the rest of the buffer, and returns the output. Without this call, errors at the end are lost.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The archive A: the Pareto front of everything offered to it so far.
+//! The archive A: the Pareto front of all candidates offered so far.
 
 use std::cmp::Ordering;
 
@@ -9,8 +9,8 @@ use crate::problem::Candidates;
 
 /// Mutually non-dominated candidates without duplicates in costs (the first offered stays), in lexicographic order.
 ///
-/// A member leaves for one of two reasons: a candidate was offered that dominates it, or the archive grew beyond its
-/// capacity. Then the most crowded leave (Eq. 17, measured once; ties: the last in order), but never the one that is
+/// A member is removed when a candidate is offered that dominates it, or when the archive exceeds its capacity. In the
+/// second case the most crowded members are removed (Eq. 17, measured once; ties: the last in order), but never the
 /// best in an objective. With a capacity of at least the number of candidates offered, the archive is exact.
 #[derive(Clone, Debug, Default)]
 pub struct Archive {
@@ -31,8 +31,8 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// Empties it for a problem, to hold up to `capacity` members after an offer of at most `offered` at a time. Fewer
-    /// than two members for each objective cannot be asked for: that many are ends of the front.
+    /// Empties it for a problem, to hold up to `capacity` members after an offer of at most `offered` at a time. The
+    /// capacity is at least two members per objective, the ends of the front.
     pub fn clear(&mut self, dimensions: usize, objectives: usize, capacity: usize, offered: usize) {
         self.dimensions = dimensions;
         self.objectives = objectives;
@@ -47,10 +47,10 @@ impl Archive {
         self.crowding.reserve(most);
     }
 
-    /// Takes over whatever the archive does not dominate or hold already, and drops what that dominates.
+    /// Takes the candidates that the archive neither dominates nor holds, and removes the members that they dominate.
     ///
     /// `front` is a front as [`crate::dominance::NonDominatedSort`] makes it: mutually non-dominated, in lexicographic
-    /// order. A front that violates infinitely is refused.
+    /// order. A front with an infinite violation is rejected.
     pub fn offer(&mut self, candidates: &Candidates<'_>, costs: &Costs<'_>, front: &[u32]) {
         let Some(&first) = front.first() else { return };
         let violation = costs.violation()[first as usize];
@@ -107,8 +107,8 @@ impl Archive {
         }
     }
 
-    /// Whether one of some that come earlier in lexicographic order is at least as good in every objective. With two
-    /// objectives the last of them is the best in the second, and none is worse in the first.
+    /// Whether one of the rows that come earlier in lexicographic order is at least as good in every objective. With
+    /// two objectives the last of them is the best in the second objective, and none is worse in the first.
     fn is_covered(&self, earlier: &[u32], cost: impl Fn(usize) -> f64) -> bool {
         let covers = |&row: &u32| (0..self.objectives).all(|k| self.cost(row, k) <= cost(k));
         match earlier.last() {

@@ -1,4 +1,4 @@
-//! The crowding distance (Eq. 17): how far apart a front member's neighbours are.
+//! The crowding distance (Eq. 17): the distance between the two neighbours of a member of a front.
 
 use crate::dominance::ordered_bits;
 
@@ -22,8 +22,8 @@ impl Crowding {
     /// The crowding distance of every member of one front, where `cost(i, k)` is objective `k` of member `i`.
     ///
     /// Eq. 17, summed over the objectives: the gap between a member's two neighbours, as a fraction of the front's
-    /// range. In each objective the first and the last are infinitely far from anyone (of equals, the first by index is
-    /// first). An objective in which all are equal, or whose range is not finite, adds nothing.
+    /// range. In each objective the first and the last member have an infinite distance (of equal members, the first by
+    /// index is first). An objective in which all are equal, or whose range is not finite, adds nothing.
     pub fn distances(&mut self, members: usize, objectives: usize, cost: impl Fn(usize, usize) -> f64) -> &[f64] {
         self.distances.clear();
         self.distances.resize(members, 0.0);
@@ -32,7 +32,7 @@ impl Crowding {
         for k in 0..objectives {
             let cost = |member: u32| cost(member as usize, k);
             self.order.iter_mut().for_each(|(bits, member)| *bits = ordered_bits(cost(*member)));
-            // Two objectives put a front into opposite orders: the second time there is nothing left to sort.
+            // Two objectives order a front in opposite ways: the second order needs no sort.
             if k > 0 {
                 self.order.reverse();
                 self.order.chunk_by_mut(|a, b| a.0 == b.0).for_each(<[_]>::reverse);

@@ -1,8 +1,8 @@
-//! Constrained dominance (Eq. 16 with Deb's rule for constraints) and the fast non-dominated sort that stands on it.
+//! Constrained dominance (Eq. 16 with Deb's rule for constraints) and the fast non-dominated sort.
 
 use std::cmp::Ordering;
 
-/// What a set of candidates costs: a table of objectives, column after column, and one violation each.
+/// The costs of a set of candidates: a table of objectives, column after column, and one violation each.
 #[derive(Clone, Copy, Debug)]
 pub struct Costs<'a> {
     objectives: &'a [f64],
@@ -12,7 +12,7 @@ pub struct Costs<'a> {
 
 impl<'a> Costs<'a> {
     /// As many candidates as `violation` is long; objective `k` of candidate `i` is `objectives[k * len + i]`.
-    /// No value may be NaN and no violation negative: the sort would stay safe, but its ranks mean nothing.
+    /// No value may be NaN and no violation negative: the sort would not fail, but its ranks would be meaningless.
     pub fn new(objectives: &'a [f64], violation: &'a [f64]) -> Self {
         Self { objectives, violation, count: objectives.len().checked_div(violation.len()).unwrap_or(0) }
     }
@@ -47,7 +47,7 @@ impl<'a> Costs<'a> {
         self.objectives[objective * self.violation.len() + candidate]
     }
 
-    /// Whether `a` dominates `b`: it violates less, or it violates as much and is at least as good in every objective
+    /// Whether `a` dominates `b`: its violation is less, or it is equal and `a` is at least as good in every objective
     /// and better in one (Eq. 16). A strict partial order.
     pub fn dominates(&self, a: usize, b: usize) -> bool {
         if self.violation[a] != self.violation[b] {
@@ -64,7 +64,7 @@ impl<'a> Costs<'a> {
         better
     }
 
-    /// Whether two candidates violate and cost the same.
+    /// Whether two candidates have the same violation and the same costs.
     pub(crate) fn equal(&self, a: usize, b: usize) -> bool {
         (0..self.count).all(|k| self.cost(a, k) == self.cost(b, k)) && self.violation[a] == self.violation[b]
     }
@@ -88,8 +88,8 @@ pub(crate) fn ordered_bits(value: f64) -> u64 {
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
 
-/// How many of some ascending values are at most `limit`. Of few, counting them all is faster than bisection: no step
-/// waits for another.
+/// How many of some ascending values are at most `limit`. For few values, counting all is faster than bisection: no
+/// step depends on another.
 fn count_below(ascending: &[f64], limit: f64) -> usize {
     if ascending.len() <= 32 {
         ascending.iter().map(|&value| u64::from(value <= limit)).sum::<u64>() as usize
@@ -102,11 +102,11 @@ const NOBODY: u32 = u32::MAX;
 
 /// The fast non-dominated sort: divides candidates into fronts, of which each dominates the next. Keeps its buffers.
 ///
-/// Candidates are taken in lexicographic order (violation, then objective after objective, ties by lowest index), so
-/// that nobody is dominated by who comes later, and each joins the first front of which no member dominates it, found
-/// by bisection (the efficient sort of Zhang, Tian, Cheng and Jin, 2015). With one or two objectives it is enough to
-/// ask the front's last member: O(n log n). With more, every member is asked: O(n^2) at worst. Equal candidates share a
-/// front.
+/// Candidates are taken in lexicographic order (violation, then objective by objective, ties by lowest index), so that
+/// no candidate is dominated by a later one. Each joins the first front of which no member dominates it, found by
+/// bisection (the efficient sort of Zhang, Tian, Cheng and Jin, 2015). With one or two objectives it is enough to
+/// compare with the front's last member: O(n log n). With more, every member is compared: O(n^2) at worst. Equal
+/// candidates share a front.
 #[derive(Clone, Debug, Default)]
 pub struct NonDominatedSort {
     order: Entries,
@@ -121,9 +121,9 @@ pub struct NonDominatedSort {
     ends: Vec<u32>,
 }
 
-/// Candidates, each as a key that decides most comparisons without a look at the costs: from the highest bit whether it
-/// violates at all, then how much or else its first objective, but for the last bits, which are the candidate's number.
-/// So they sort as numbers do, and only runs of keys that are equal but for the candidate need the costs.
+/// The candidates as keys that decide most comparisons without the costs: the highest bit is whether the candidate
+/// violates, then its violation or else its first objective, and the last bits are the candidate's number. Keys sort as
+/// numbers do; only runs of keys that differ only in the candidate's number need the costs.
 #[derive(Clone, Debug, Default)]
 struct Entries {
     keys: Vec<u64>,
@@ -271,7 +271,7 @@ impl NonDominatedSort {
         &self.members[start as usize..self.ends[rank] as usize]
     }
 
-    /// Everyone in a front before front `rank`, best first. Panics if there is no such front, as an index does.
+    /// All candidates in fronts before front `rank`, best first. Panics if there is no such front, as an index does.
     pub fn before(&self, rank: usize) -> &[u32] {
         let end = if rank == 0 { 0 } else { self.ends[rank - 1] };
         &self.members[..end as usize]

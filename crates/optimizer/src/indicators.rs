@@ -3,7 +3,7 @@
 
 use crate::optimizer::Front;
 
-/// Why a front has no such figure.
+/// Why an indicator cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IndicatorError {
     /// A point is longer or shorter than the reference.
@@ -17,7 +17,7 @@ pub enum IndicatorError {
     /// A value is NaN or infinite.
     #[error("a value is not a finite number")]
     NotFinite,
-    /// There is nothing to measure, or nothing to measure it by.
+    /// There are no points, or no points of the true front.
     #[error("there are no points")]
     Empty,
 }
@@ -29,7 +29,7 @@ pub fn rows(front: &Front<'_>) -> Vec<Vec<f64>> {
 
 /// The volume that some points dominate inside the box below a reference point (Zitzler and Thiele 1998), exactly.
 ///
-/// Points may be dominated or equal; those that are not better than the reference in everything add nothing. Two
+/// Points may be dominated or equal; a point that is not better than the reference in every objective adds nothing. Two
 /// objectives are swept in O(n log n), more are the WFG algorithm of While, Bradstreet and Barone (2012): exponential
 /// in the objectives.
 ///
@@ -50,7 +50,7 @@ pub fn hypervolume<P: AsRef<[f64]>>(points: &[P], reference: &[f64]) -> Result<f
 
 /// The modified inverted generational distance IGD+ (Ishibuchi, Masuda, Tanigaki and Nojima 2015): the mean over the
 /// points z of the true front of the least d+(a, z) over the members a of a front, where
-/// d+(a, z) = sqrt(sum_k max(a_k - z_k, 0)^2): only what a member lacks counts, never what it has more.
+/// d+(a, z) = sqrt(sum_k max(a_k - z_k, 0)^2): only the amount by which a member is worse counts.
 ///
 /// # Errors
 /// Either set is empty, a value is not finite, or points are of different numbers of objectives.

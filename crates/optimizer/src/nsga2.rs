@@ -20,17 +20,17 @@ pub struct Nsga2Settings {
     /// N, parents as well as offspring of a generation; even, from 2 to 1000000. The default, 50, with 12 generations,
     /// is 650 evaluations: as near as pairs come to the 651 of the pigeon-inspired optimisers.
     pub population: usize,
-    /// How often offspring are made, at most 1000000; the random first population is not counted.
+    /// The number of generations of offspring, at most 1000000, without the random first population.
     pub generations: usize,
-    /// p_c, how likely two parents are crossed at all, from 0 to 1. Deb et al.: 0.9.
+    /// p_c, the probability that two parents are crossed, from 0 to 1. Deb et al.: 0.9.
     pub crossover_probability: f64,
-    /// eta_c of the simulated binary crossover, from 0 to 1000: the greater, the more like their parents are children.
-    /// Deb et al.: 20.
+    /// eta_c of the simulated binary crossover, from 0 to 1000: the greater, the more similar are children to their
+    /// parents. Deb et al.: 20.
     pub crossover_index: f64,
     /// How many coordinates of a child mutate on average, at least 0: p_m is this over the number of dimensions, at
     /// most 1. Deb et al.: 1, which is p_m = 1/n.
     pub mutations_per_child: f64,
-    /// eta_m of the polynomial mutation, from 0 to 1000: the greater, the smaller are its steps. Deb et al.: 20.
+    /// eta_m of the polynomial mutation, from 0 to 1000: the greater, the smaller the steps. Deb et al.: 20.
     pub mutation_index: f64,
 }
 
@@ -89,9 +89,9 @@ impl Nsga2Settings {
 /// Constraints are in the sort (section VI); parents meet in tournaments drawn from two permutations of the population,
 /// so that each is in two.
 ///
-/// One difference to Deb et al.: of candidates that cost the same, one has the crowding distance that it would have
-/// without the others, and these have 0. So copies leave first, instead of holding places of a full front at the
-/// expense of their neighbours.
+/// One difference from Deb et al.: of candidates with equal costs, one has the crowding distance that it would have
+/// without the others, and the others have 0. So copies are removed first, and take no place of a full front from their
+/// neighbours.
 #[derive(Clone, Debug)]
 pub struct Nsga2 {
     settings: Nsga2Settings,
@@ -152,7 +152,7 @@ impl Nsga2 {
         &self.settings
     }
 
-    /// P_0 at random, and room for everything.
+    /// Draws P_0 at random, and reserves all buffers.
     fn initialise(&mut self, problem: &dyn Problem, rng: &mut Stream) -> Result<(), OptimizeError> {
         let size = self.settings.population;
         let started = self.parents.start(size, problem, &self.seeds, rng);
@@ -253,7 +253,8 @@ impl Nsga2 {
             for (child, &winner) in children.iter_mut().zip(&self.winners) {
                 *child = parents[winner as usize];
             }
-            // Who is changed is settled first, without a branch, and how is drawn for them alone: that halves the time.
+            // Which coordinates change is decided first, without a branch; the changes are drawn only for these. That
+            // halves the time.
             self.draws.resize(self.crossed.len(), 0);
             rng.fill(&mut self.draws[..]);
             let is_crossed = |(&pair, &coordinate): (&u32, &u32)| {
@@ -304,7 +305,7 @@ impl Optimizer for Nsga2 {
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
         self.initialise(problem, rng)?;
         self.parents.evaluate(problem);
-        // Nobody yet beside the parents: survival only ranks them.
+        // There are no offspring yet: survival only ranks the parents.
         self.survive();
         if !self.parents.costs().violation().iter().any(|violation| violation.is_finite()) {
             return Err(OptimizeError::NoFiniteCandidate);

@@ -19,8 +19,8 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then puts seeds in place of the
-    /// first.
+    /// Draws `len` positions uniformly from the bounds, dimension after dimension; then replaces the first ones by
+    /// seeds.
     pub fn start(
         &mut self,
         len: usize,
@@ -45,9 +45,10 @@ impl Population {
         Ok(())
     }
 
-    /// Has the problem judge every position. What it refuses costs infinitely much of everything.
+    /// Evaluates every position. A rejected candidate has infinite costs.
     pub fn evaluate(&mut self, problem: &mut dyn Problem) {
-        // NaN, not what the last generation left: an objective that the problem forgets is refused, not inherited.
+        // NaN, not the values of the last generation: an objective that the problem does not write must not be
+        // inherited.
         self.costs.clear();
         self.costs.resize(self.len * self.objectives, f64::NAN);
         self.violation.clear();
@@ -84,7 +85,7 @@ impl Population {
         self.positions.resize(len * dimensions, 0.0);
     }
 
-    /// Becomes all of one evaluated population and then all of another, costs included.
+    /// Copies one evaluated population and then another, with their costs.
     pub fn join(&mut self, first: &Self, second: &Self) {
         self.reset(0, first.dimensions, first.objectives);
         self.len = first.len + second.len;
@@ -101,7 +102,7 @@ impl Population {
         join(&mut self.violation, &first.violation, &second.violation);
     }
 
-    /// Becomes some candidates of an evaluated population, costs included.
+    /// Copies some candidates of an evaluated population, with their costs.
     pub fn select(&mut self, from: &Self, chosen: &[u32]) {
         self.reset(0, from.dimensions, from.objectives);
         self.len = chosen.len();
@@ -115,7 +116,7 @@ impl Population {
         select(&mut self.violation, &from.violation);
     }
 
-    /// Drops candidates, given in descending order. Costs are void until the next evaluation.
+    /// Drops candidates, given in descending order. The costs are invalid until the next evaluation.
     pub fn remove(&mut self, dropped: &[u32]) {
         remove_rows(&mut self.positions, self.len, dropped);
         self.len -= dropped.len();

@@ -13,8 +13,8 @@ use crate::settings::{self, check_settings};
 use crate::stream::Stream;
 use crate::sum::SumOfObjectives;
 
-/// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not say how long each stage
-/// is: the default is three quarters and one quarter of 12 iterations, and 651 evaluations like the other
+/// The parameters of Eq. 13-15. The defaults are the paper's where it gives one. It does not give the length of each
+/// stage: the default is three quarters and one quarter of 12 iterations, and 651 evaluations as for the other
 /// pigeon-inspired optimisers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -85,7 +85,7 @@ impl SlpioSettings {
     }
 
     /// These settings with `generations` of `candidates` each, the first included, and a front of at most one
-    /// generation: what makes optimisers comparable. Nobody leaves the flock, and a quarter of the iterations are of
+    /// generation: what makes optimisers comparable. No pigeon is removed, and a quarter of the iterations belong to
     /// the landmark stage.
     pub fn with_budget(self, candidates: usize, generations: usize) -> Self {
         let iterations = generations.saturating_sub(1);
@@ -109,8 +109,8 @@ impl SlpioSettings {
     }
 }
 
-/// The optimiser. Of a problem of several objectives it minimises the sum. Its front has one member, the best candidate
-/// of all that it judged, and one objective.
+/// The optimiser. It minimises the sum of a problem's objectives. Its front has one objective, the sum, and one member,
+/// the best of all candidates that it evaluated.
 ///
 /// Where the paper leaves a choice: a pigeon's demonstrator is drawn uniformly from those that are better than it now
 /// (by violation, then cost), so the best pigeons, which have none, stay where they are, as in the SL-PSO of Cheng and
@@ -119,7 +119,7 @@ impl SlpioSettings {
 #[derive(Clone, Debug)]
 pub struct Slpio {
     settings: SlpioSettings,
-    /// Of one objective, ranks are places in the order of costs and the archive is the best candidate so far.
+    /// With one objective, ranks are places in the order of costs, and the archive is the best candidate so far.
     flock: ParetoFlock,
     demonstrators: Vec<u32>,
     x_model: Vec<f64>,
@@ -165,7 +165,7 @@ impl Slpio {
         Ok(())
     }
 
-    /// Fig. 1: of each pigeon, one that is superior to it.
+    /// Fig. 1: a better pigeon for each pigeon.
     fn choose_demonstrators(&mut self, rng: &mut Stream) {
         self.demonstrators.clear();
         for &rank in self.flock.sort.ranks() {
@@ -186,7 +186,7 @@ impl Slpio {
             self.draw(pigeons, rng);
             let limit = self.settings.velocity_limit * bounds.range();
             let coordinate = self.flock.swarm.coordinate_mut(dimension);
-            // Demonstrators fly too: what a pigeon learns is where its own was before.
+            // Demonstrators move too: a pigeon learns from the previous position of its demonstrator.
             self.x_model.clear();
             self.x_model.extend_from_slice(coordinate);
             let velocities = &mut self.flock.velocities[dimension * pigeons..][..pigeons];
@@ -199,8 +199,8 @@ impl Slpio {
         }
     }
 
-    /// Eq. 15, the landmark operator: X_center is the mean of all pigeons, the worst leave, and the others approach it,
-    /// X_i = X_i + rand c2 (X_center - X_i).
+    /// Eq. 15, the landmark operator: X_center is the mean of all pigeons, the worst are removed, and the others
+    /// approach it, X_i = X_i + rand c2 (X_center - X_i).
     fn approach_center(&mut self, bounds: &[Bounds], rng: &mut Stream) {
         self.flock.x_center.clear();
         for dimension in 0..bounds.len() {
@@ -248,7 +248,7 @@ impl Optimizer for Slpio {
     }
 
     fn minimise(&mut self, problem: &mut dyn Problem, rng: &mut Stream) -> Result<Front<'_>, OptimizeError> {
-        // Lent to the problem, as the flock is to change beside it.
+        // Moved out for the time of the solve: the flock changes beside it.
         let mut objectives = std::mem::take(&mut self.objectives);
         let solved = self.solve(&mut SumOfObjectives { problem, objectives: &mut objectives }, rng);
         self.objectives = objectives;

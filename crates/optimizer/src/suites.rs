@@ -1,5 +1,5 @@
 //! Test problems whose fronts are known: ZDT1-4 and 6 (Zitzler, Deb and Thiele 2000), DTLZ1 and 2 (Deb, Thiele,
-//! Laumanns and Zitzler 2005). For judging optimisers, here and in comparisons.
+//! Laumanns and Zitzler 2005). They measure optimisers, here and in comparisons.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,7 +28,7 @@ impl Suite {
     /// All of them.
     pub const ALL: [Self; 7] = [Self::Zdt1, Self::Zdt2, Self::Zdt3, Self::Zdt4, Self::Zdt6, Self::Dtlz1, Self::Dtlz2];
 
-    /// What the literature calls it.
+    /// Its name in the literature.
     pub fn name(self) -> &'static str {
         match self {
             Self::Zdt1 => "ZDT1",
@@ -41,8 +41,8 @@ impl Suite {
         }
     }
 
-    /// The problem with so many dimensions and objectives. ZDT has two objectives, whatever is asked for, and at least
-    /// two dimensions; DTLZ has at least two objectives, and at least as many dimensions.
+    /// The problem with so many dimensions and objectives. ZDT always has two objectives, and at least two dimensions;
+    /// DTLZ has at least two objectives, and at least as many dimensions.
     pub fn problem(self, dimensions: usize, objectives: usize) -> TestProblem {
         let objectives = if self.is_dtlz() { objectives.max(2) } else { 2 };
         let mut bounds = vec![Bounds::new(0.0, 1.0); dimensions.max(objectives)];

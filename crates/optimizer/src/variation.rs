@@ -1,5 +1,4 @@
-//! How children differ from their parents: simulated binary crossover and polynomial mutation, coordinate by
-//! coordinate.
+//! Variation of children: simulated binary crossover and polynomial mutation, coordinate by coordinate.
 
 use crate::problem::Bounds;
 
@@ -25,7 +24,7 @@ impl Crossover {
 
     /// The two children's values, in either order. Parents as good as equal have children equal to them.
     ///
-    /// What a draw decides is decided without a branch: half of those would be foretold wrongly.
+    /// There is no branch on a draw: half of the branches would be predicted wrongly.
     pub fn cross(&self, parents: [f64; 2], bounds: Bounds, u: f64, swapped: bool) -> [f64; 2] {
         let (low, high) = (parents[0].min(parents[1]), parents[0].max(parents[1]));
         let gap = high - low;
@@ -76,7 +75,7 @@ impl Mutation {
         if range <= 0.0 {
             return value;
         }
-        // Upwards is downwards in a mirror; again without a branch.
+        // A step upwards is a mirrored step downwards; again without a branch.
         let room = [bounds.upper - value, value - bounds.lower][usize::from(u > 0.5)];
         let tail = 1.0 - (2.0 * u - 1.0).abs();
         let step = 1.0 - root(tail + (1.0 - tail) * power(room / range, self.degree), self.inverse_degree);
@@ -84,8 +83,8 @@ impl Mutation {
     }
 }
 
-/// A power of a base that is not negative; by multiplication alone where the exponent is whole, as it commonly is: that
-/// is several times faster than `libm::pow`, and its bits are the same on every platform too.
+/// A power of a base that is not negative. For a whole exponent, which is the common case, it only multiplies: that is
+/// several times faster than `libm::pow`, and has the same bits on every platform.
 fn power(base: f64, exponent: f64) -> f64 {
     if exponent != exponent.trunc() {
         return libm::pow(base, exponent);
@@ -102,8 +101,8 @@ fn power(base: f64, exponent: f64) -> f64 {
     power
 }
 
-/// A power between -1 and 1 of a number that is not negative, by logarithm. In single precision: a draw of 32 bits has
-/// no more to give, and it takes a third of the time.
+/// A power between -1 and 1 of a number that is not negative, by logarithm. In single precision, which is enough for a
+/// draw of 32 bits and takes a third of the time.
 fn root(radicand: f64, exponent: f64) -> f64 {
     libm::exp(libm::log(radicand) * exponent)
 }

@@ -101,6 +101,9 @@ impl Mode {
     }
 
     /// The mode of an ArduPlane number, or why there is none.
+    ///
+    /// # Errors
+    /// No mode that is simulated has the number.
     pub fn from_number(number: u32) -> Result<Self, NoSuchMode> {
         Self::ARDUPLANE.iter().copied().find(|mode| mode.number() == number).ok_or(NoSuchMode(number))
     }

@@ -1,9 +1,10 @@
 //! What a vehicle is told before it flies.
 
+use crate::autopilot::plan::Plans;
 use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::file::{ParameterFile, Place};
-use crate::protocol::mission::Plans;
+use crate::telemetry::rates::TelemetryRates;
 use flight_model::{Dynamics, Geodetic, LocalFrame, RangeError, Ranges, State};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -23,8 +24,8 @@ pub struct VehicleSettings {
     pub step: Duration,
     /// Where and how it starts, in the air.
     pub start: State,
-    /// It stands on the ground instead, where it starts, at altitude 0 above the origin and on its course: disarmed and in
-    /// MANUAL, whatever `armed` and `mode` say, and with its home there. The speed of the start is its cruise speed.
+    /// It stands on the ground instead, where it starts, at altitude 0 above the origin and on its course: disarmed and
+    /// in MANUAL, whatever `armed` and `mode` say, and with its home there. The speed of the start is its cruise speed.
     pub on_ground: bool,
     /// The local frame. Its origin is the home of vehicles that start in the air, and the ground is level with it.
     pub frame: LocalFrame,
@@ -54,31 +55,6 @@ pub struct VehicleSettings {
     pub number: u64,
     /// The plans that were on board before.
     pub plans: Plans,
-}
-
-/// Telemetry rates, Hz; 0 is off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TelemetryRates {
-    /// HEARTBEAT.
-    pub heartbeat_hz: f64,
-    /// RAW_IMU and SCALED_PRESSURE.
-    pub raw_sensors_hz: f64,
-    /// SYS_STATUS, GPS_RAW_INT and MISSION_CURRENT.
-    pub sys_status_hz: f64,
-    /// SYSTEM_TIME, WIND, BATTERY_STATUS and EKF_STATUS_REPORT.
-    pub system_time_hz: f64,
-    /// ATTITUDE.
-    pub attitude_hz: f64,
-    /// GLOBAL_POSITION_INT.
-    pub global_position_int_hz: f64,
-    /// VFR_HUD.
-    pub vfr_hud_hz: f64,
-    /// EXTENDED_SYS_STATE.
-    pub extended_sys_state_hz: f64,
-    /// HOME_POSITION.
-    pub home_position_hz: f64,
-    /// LOCAL_POSITION_NED.
-    pub local_position_ned_hz: f64,
 }
 
 /// How a vehicle waits for the controller when both share a simulated clock.
@@ -156,39 +132,6 @@ impl Default for VehicleSettings {
     }
 }
 
-impl Default for TelemetryRates {
-    fn default() -> Self {
-        Self {
-            heartbeat_hz: 1.0,
-            raw_sensors_hz: 1.0,
-            sys_status_hz: 1.0,
-            system_time_hz: 1.0,
-            attitude_hz: 10.0,
-            global_position_int_hz: 5.0,
-            vfr_hud_hz: 4.0,
-            extended_sys_state_hz: 2.0,
-            home_position_hz: 0.5,
-            local_position_ned_hz: 10.0,
-        }
-    }
-}
-
-impl TelemetryRates {
-    /// Nothing unasked.
-    pub const OFF: Self = Self {
-        heartbeat_hz: 0.0,
-        raw_sensors_hz: 0.0,
-        sys_status_hz: 0.0,
-        system_time_hz: 0.0,
-        attitude_hz: 0.0,
-        global_position_int_hz: 0.0,
-        vfr_hud_hz: 0.0,
-        extended_sys_state_hz: 0.0,
-        home_position_hz: 0.0,
-        local_position_ned_hz: 0.0,
-    };
-}
-
 impl Default for LockstepSettings {
     fn default() -> Self {
         Self {
@@ -223,19 +166,7 @@ impl VehicleSettings {
         ranges.within("start.speed_mps", self.start.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
         ranges.within("start.climb_mps", self.start.climb_mps, limits.climb_min_mps, limits.climb_max_mps);
         ranges.extend(self.dynamics.check());
-        let rates = self.rates;
-        for (name, rate_hz) in [
-            ("heartbeat_hz", rates.heartbeat_hz),
-            ("raw_sensors_hz", rates.raw_sensors_hz),
-            ("sys_status_hz", rates.sys_status_hz),
-            ("system_time_hz", rates.system_time_hz),
-            ("attitude_hz", rates.attitude_hz),
-            ("global_position_int_hz", rates.global_position_int_hz),
-            ("vfr_hud_hz", rates.vfr_hud_hz),
-            ("extended_sys_state_hz", rates.extended_sys_state_hz),
-            ("home_position_hz", rates.home_position_hz),
-            ("local_position_ned_hz", rates.local_position_ned_hz),
-        ] {
+        for (name, rate_hz) in self.rates.named() {
             ranges.within(name, rate_hz, 0.0, self.fastest_hz());
         }
         ranges.errors()
@@ -251,6 +182,9 @@ impl VehicleSettings {
 
 impl LockstepSettings {
     /// Whether the period fits an integration step and the waits are positive and in order.
+    ///
+    /// # Errors
+    /// The first that is not so.
     pub fn validate(&self, step: Duration) -> Result<(), SettingsError> {
         let (period, step) = (self.period, step);
         let whole = |unit: Duration| unit.as_nanos() > 0 && period.as_nanos().is_multiple_of(unit.as_nanos());

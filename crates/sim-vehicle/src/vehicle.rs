@@ -1,36 +1,47 @@
 //! The simulated autopilot: datagrams and times in, datagrams and states out.
 
-use crate::autopilot::failsafe::Failsafes;
-use crate::autopilot::fence::Fence;
-use crate::autopilot::flight::Flight;
-use crate::autopilot::manual_control::Channels;
-use crate::autopilot::mission::{Mission, Progress};
-use crate::autopilot::rally::Rally;
+#[cfg(test)]
+use crate::autopilot::Autopilot;
+use crate::autopilot::plan::PlanKind;
 use crate::counters::VehicleCounters;
-use crate::firmware::Personality;
-use crate::firmware::px4;
-use crate::host::system_ids::SystemIds;
-use crate::links::Links;
-use crate::links::PeerId;
-use crate::links::Transmit;
+use crate::error::SetpointError;
+use crate::links::{Links, PeerId, Transmit};
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
-use crate::parameters::{Parameter, Parameters};
-use crate::protocol::mission::{PlanKind, Uploads};
-use crate::protocol::parameter::{Listings, Pace};
+use crate::protocol::Services;
+use crate::protocol::parameter::ParameterService;
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
-use crate::telemetry::streams::Stream;
-use crate::world::World;
+use crate::telemetry::announce::Component;
 use flight_model::{Setpoint, State};
-use mavlink_bridge::{Counters, Incoming, SetpointError, incoming};
-use std::sync::Arc;
+use mavlink_bridge::{Counters, Incoming, PlanItem, incoming};
 use std::time::Duration;
 
-/// One simulated autopilot that speaks MAVLink as ArduPlane does.
+/// One simulated vehicle that speaks MAVLink as its autopilot does.
 ///
 /// It does no I/O and knows no clock. There are two times, both counted from the start: *vehicle time*, which only
 /// [`advance`](Self::advance) moves, in whole integration steps, and *host time* (the arguments called `now`), which
-/// tells when to ask again and which peers have fallen silent. In real time the host lets them run together.
+/// tells when to ask again and which peers are silent. In real time the host lets them run together.
+///
+/// # Which calls, in which order
+///
+/// The caller owns the sockets and the clock, and calls, as often as it likes:
+///
+/// 1. [`handle`](Self::handle) for each datagram that comes, with the host time and the address of its sender.
+/// 2. [`handle_timeout`](Self::handle_timeout) when the host time has come that [`poll_timeout`](Self::poll_timeout)
+///    gave, and at least once a second in real time: lists of parameters, uploads and repeats go on by it. An early
+///    call does no harm. A call of 1, 2 or 3 may change that time: ask for it again.
+/// 3. [`advance`](Self::advance) to let it fly. In real time `until` is the vehicle time that the clock has come to; in
+///    lockstep it is [`released_until`](Self::released_until), and there is nothing to fly while that is none.
+/// 4. [`poll_transmit`](Self::poll_transmit) after each of 1, 2 and 3, until it gives none. What is not fetched is not
+///    lost, but its receiver waits for it. Frames to one peer are packed together: poll after a batch of inputs, not
+///    between them.
+///
+/// Times never run backwards: a host time before the last one counts as the last one. Nothing that a peer sends makes a
+/// call fail or panic.
+///
+/// # Examples
+///
+/// Without peers, a second of flight:
 ///
 /// ```
 /// use sim_vehicle::{Vehicle, VehicleSettings};
@@ -43,126 +54,73 @@ use std::time::Duration;
 /// assert!((vehicle.state().x_m - 10.0).abs() < 1e-9);
 /// # Ok::<(), sim_vehicle::SettingsError>(())
 /// ```
+///
+/// With a peer, which is told who and where the vehicle is as soon as it says anything:
+///
+/// ```
+/// use mavlink_bridge::{Encoder, telemetry::ground_heartbeat};
+/// use sim_vehicle::{PeerId, Vehicle, VehicleSettings};
+/// use std::time::Duration;
+///
+/// let mut vehicle = Vehicle::new(VehicleSettings { ground: None, ..VehicleSettings::default() })?;
+/// let peer = PeerId::from(([127, 0, 0, 1], 14550));
+/// let mut datagram = Vec::new();
+/// Encoder::new(255, 190).encode(&ground_heartbeat(), &mut datagram);
+/// vehicle.handle(Duration::ZERO, &datagram, peer);
+///
+/// let answer = vehicle.poll_transmit().expect("a new peer is answered");
+/// assert_eq!(answer.to, peer);
+/// assert!(vehicle.poll_transmit().is_none());
+/// # Ok::<(), sim_vehicle::SettingsError>(())
+/// ```
 #[derive(Debug)]
 pub struct Vehicle {
-    pub(crate) settings: VehicleSettings,
-    pub(crate) flight: Flight,
-    pub(crate) links: Links,
-    pub(crate) time: Duration,
-    pub(crate) lockstep: Option<Lockstep>,
-    pub(crate) host_now: Duration,
-    pub(crate) failsafes: Failsafes,
-    pub(crate) world: World,
-    pub(crate) parameters: Parameters,
-    pub(crate) parameters_changed: bool,
-    pub(crate) listings: Listings,
-    pub(crate) pace: Arc<Pace>,
-    /// The system ids behind its port, and its place among them.
-    pub(crate) ids: Arc<SystemIds>,
-    pub(crate) place: usize,
-    pub(crate) mission: Mission,
-    pub(crate) progress: Progress,
-    pub(crate) fence: Fence,
-    pub(crate) rally: Rally,
-    pub(crate) uploads: Uploads,
-    pub(crate) plans_changed: [bool; PlanKind::ALL.len()],
-    pub(crate) plan_totals: [f32; PlanKind::ALL.len()],
-    /// Vehicle time before which no further refused setpoint is put into words.
-    pub(crate) quiet_until: Duration,
-    pub(crate) channels: Channels,
-    /// What stood against arming when it was last looked at, and when that is said again, vehicle time.
-    pub(crate) arming_reason: Option<String>,
-    pub(crate) arming_reason_due: Duration,
-    /// Vehicle time at which it last flew.
-    pub(crate) flown_at: Duration,
-    /// Whether somebody has set home: then arming leaves it.
-    pub(crate) home_is_set: bool,
-    pub(crate) px4: px4::State,
-    pub(crate) counters: VehicleCounters,
+    component: Component,
+    services: Services,
+    lockstep: Option<Lockstep>,
     wire: Counters,
-}
-
-/// Why a setpoint is not flown.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SetpointRefused {
-    /// The vehicle follows setpoints only in GUIDED.
-    #[error("mode is {0}")]
-    NotGuided(Mode),
-    /// The setpoint itself cannot be flown.
-    #[error(transparent)]
-    Setpoint(#[from] SetpointError),
 }
 
 impl Vehicle {
     /// A vehicle whose time follows the host's.
+    ///
+    /// # Errors
+    /// A setting is out of its range, a parameter is not the vehicle's or out of its range, or a plan makes no sense.
     pub fn new(settings: VehicleSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Self::start(settings, None)
     }
 
-    /// A vehicle whose time moves on by one control period for each setpoint that carries its stamp. It first says where
-    /// it is at time zero.
+    /// A vehicle whose time moves on by one control period for each setpoint that carries its stamp. It first says
+    /// where it is at time zero.
+    ///
+    /// # Errors
+    /// The same, and a control period that is not a whole number of milliseconds and of integration steps.
     pub fn in_lockstep(settings: VehicleSettings, lockstep: LockstepSettings) -> Result<Self, SettingsError> {
         settings.validate()?;
         lockstep.validate(settings.step)?;
         Self::start(settings, Some(Lockstep::new(lockstep)))
     }
 
-    fn start(settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
-        let parameters = Parameters::new(&settings);
+    fn start(mut settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        let plans = std::mem::take(&mut settings.plans);
         let mut vehicle = Self {
-            world: World::new(&settings, &parameters),
-            flight: Flight::new(&settings),
-            links: Links::new(&settings),
-            time: Duration::ZERO,
+            component: Component::new(settings, lockstep.is_some()),
+            services: Services::default(),
             lockstep,
-            host_now: Duration::ZERO,
-            failsafes: Failsafes::new(),
-            parameters,
-            parameters_changed: false,
-            listings: Listings::default(),
-            pace: Arc::default(),
-            ids: Arc::default(),
-            place: 0,
-            mission: Mission::new(settings.personality.first_mission_item()),
-            progress: Progress::default(),
-            fence: Fence::default(),
-            rally: Rally::default(),
-            uploads: Uploads::default(),
-            plans_changed: Default::default(),
-            plan_totals: Default::default(),
-            quiet_until: Duration::ZERO,
-            channels: Channels::default(),
-            arming_reason: None,
-            arming_reason_due: Duration::ZERO,
-            flown_at: Duration::ZERO,
-            home_is_set: false,
-            px4: px4::State::default(),
-            counters: VehicleCounters::default(),
             wire: Counters::default(),
-            settings,
         };
-        vehicle.start_parameters()?;
-        let plans = std::mem::take(&mut vehicle.settings.plans);
-        vehicle.restore_plans(plans)?;
-        vehicle.parameters_changed = false;
-        let in_lockstep = vehicle.lockstep.is_some();
-        let first_mode = vehicle.settings.personality.first_mode(vehicle.mode(), in_lockstep);
-        vehicle.flight.set_mode(first_mode);
-        vehicle.reconfigure_fence(Parameter::FenceEnable);
-        vehicle.restart_setpoint_timeout();
-        (0..vehicle.links.len()).for_each(|link| vehicle.announce(link));
+        vehicle.services.parameters.start(&mut vehicle.component)?;
+        vehicle.services.missions.restore(&mut vehicle.component, plans)?;
+        vehicle.services.parameters.take_changed();
+        vehicle.component.autopilot.start();
+        (0..vehicle.component.peers().len()).for_each(|link| vehicle.component.announce(link));
         Ok(vehicle)
     }
 
-    /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
-    pub(crate) fn keep_pace(&mut self, pace: Arc<Pace>) {
-        self.pace = pace;
-    }
-
-    /// Tells a vehicle whom it shares a port with.
-    pub(crate) fn share_port(&mut self, ids: Arc<SystemIds>, place: usize) {
-        (self.ids, self.place) = (ids, place);
+    /// What vehicles share that have peers or a port in common.
+    pub(crate) fn parameter_service(&mut self) -> &mut ParameterService {
+        &mut self.services.parameters
     }
 
     /// Takes a datagram that came from a peer at host time `now`. What cannot be read is counted and has no effect.
@@ -176,135 +134,149 @@ impl Vehicle {
 
     /// Takes one frame, decoded already; for hosts that serve many vehicles on one port.
     pub fn handle_incoming(&mut self, now: Duration, incoming: &Incoming, from: PeerId) {
-        self.note_host_time(now);
-        let ours = self.settings.personality.hears(incoming, self.settings.system_id, self.settings.component_id);
+        self.component.note_host_time(now);
+        let settings = &self.component.settings;
+        let commands = settings.personality.rules().commands;
+        let ours = commands.hears(incoming, settings.system_id, settings.component_id);
         // A companion computer has our system id and a component id of its own: it is heard.
-        let from_ourselves = incoming.header.system_id == self.settings.system_id
-            && incoming.header.component_id == self.settings.component_id;
+        let from_ourselves = incoming.header.system_id == self.component.settings.system_id
+            && incoming.header.component_id == self.component.settings.component_id;
         if !ours || from_ourselves {
-            self.counters.frames_for_others += 1;
+            self.component.counters.frames_for_others += 1;
             return;
         }
-        let (link, is_new) = self.links.hear(from, incoming.header.version, self.host_now, self.time);
+        let (link, is_new) = self.component.hear(from, incoming.header.version);
         if is_new {
-            self.announce(link);
+            self.component.announce(link);
         }
-        self.serve(link, incoming);
+        self.services.serve(&mut self.component, self.lockstep.as_mut(), link, incoming);
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.
-    pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointRefused> {
-        self.check_guided()?;
-        if !setpoint.is_finite() {
-            return Err(SetpointError::NotFinite.into());
-        }
-        self.flight.set_ground_speed(setpoint.speed_mps);
-        self.flight.set_course(setpoint.course_rad, f64::INFINITY);
-        self.flight.set_altitude(setpoint.altitude_m, f64::INFINITY);
-        self.restart_setpoint_timeout();
-        Ok(())
+    ///
+    /// # Errors
+    /// The mode is not GUIDED, or the setpoint is not finite: then nothing is changed.
+    pub fn command(&mut self, setpoint: &Setpoint) -> Result<(), SetpointError> {
+        self.component.autopilot.command(setpoint)
     }
 
-    /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to `track`.
-    /// Telemetry that falls due on the way is queued. In lockstep it goes no further than
+    /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to
+    /// `track`. Telemetry that falls due on the way is queued. In lockstep it goes no further than
     /// [`released_until`](Self::released_until).
     pub fn advance(&mut self, until: Duration, track: &mut Vec<State>) {
         let Some(lockstep) = &self.lockstep else {
             self.integrate(until, track);
             return;
         };
-        let Some(tick_end) = lockstep.released_until(self.time).filter(|tick_end| *tick_end <= until) else { return };
-        self.links.begin_batch(None);
-        self.integrate(tick_end.saturating_sub(self.settings.step), track);
+        let Some(tick_end) =
+            lockstep.released_until(self.component.autopilot.time()).filter(|tick_end| *tick_end <= until)
+        else {
+            return;
+        };
+        self.component.links().begin_batch(None);
+        self.integrate(tick_end.saturating_sub(self.component.settings.step), track);
         self.step_to(tick_end, track);
-        self.with_instruments(Links::send_due_and_position);
-        self.links.end_batch();
+        self.component.with_instruments(Links::send_due_and_position);
+        self.component.links().end_batch();
         if let Some(lockstep) = &mut self.lockstep {
-            lockstep.wait_from(self.host_now);
+            lockstep.wait_from(self.component.host_now);
         }
     }
 
-    /// In lockstep, the vehicle time to which the setpoint in hand lets it fly; none while it waits for one, and none in
-    /// real time.
+    /// In lockstep, the vehicle time to which the setpoint in hand lets it fly; none while it waits for one, and none
+    /// in real time.
     pub fn released_until(&self) -> Option<Duration> {
-        self.lockstep.as_ref()?.released_until(self.time)
+        self.lockstep.as_ref()?.released_until(self.component.autopilot.time())
     }
 
     /// The host time at which [`handle_timeout`](Self::handle_timeout) wants to be called, if any.
     pub fn poll_timeout(&self) -> Option<Duration> {
-        if self.links.is_empty() {
+        if self.component.peers().is_empty() {
             return None;
         }
         let resend_at = self.lockstep.as_ref().and_then(Lockstep::resend_at);
-        [resend_at, self.listings.next_due(), self.uploads.due()].into_iter().flatten().min()
+        [resend_at, self.services.parameters.next_due(), self.services.missions.next_due()].into_iter().flatten().min()
     }
 
     /// Tells the vehicle the host time: it forgets silent peers, goes on with lists and uploads, and in lockstep asks
     /// again if it waits for too long.
     pub fn handle_timeout(&mut self, now: Duration) {
-        self.note_host_time(now);
+        self.component.note_host_time(now);
         if self.lockstep.as_mut().is_some_and(|lockstep| lockstep.take_resend(now)) {
-            self.links.resend_batch();
-            self.counters.resends += 1;
+            self.component.links().resend_batch();
+            self.component.counters.resends += 1;
         }
-        self.send_listings();
-        self.check_uploads();
+        self.services.parameters.send_listings(&mut self.component);
+        self.services.missions.check_uploads(&mut self.component);
     }
 
     /// The next datagram to send. Frames of one peer are packed together: poll after each input, until none is left.
     pub fn poll_transmit(&mut self) -> Option<Transmit> {
-        self.links.poll()
+        self.component.links().poll()
     }
 
     /// Where it is.
     pub fn state(&self) -> &State {
-        self.flight.state()
+        self.component.autopilot.flight.state()
     }
 
     /// Vehicle time.
     pub fn time(&self) -> Duration {
-        self.time
+        self.component.autopilot.time()
     }
 
     /// Its flight mode.
     pub fn mode(&self) -> Mode {
-        self.flight.mode()
+        self.component.autopilot.flight.mode()
     }
 
     /// Whether it is armed.
     pub fn is_armed(&self) -> bool {
-        self.flight.is_armed()
+        self.component.autopilot.flight.is_armed()
     }
 
-    /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its ground
-    /// station or its GPS is missing, its battery is low, its engine has failed.
+    /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its
+    /// ground station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {
-        self.failsafes.is_any() || self.px4.failsafe.is_some()
+        self.component.autopilot.is_in_failsafe()
     }
 
     /// The parameters that have been set, by name; all others have their initial values.
     pub fn set_parameters(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.parameters.kept()
+        self.component.autopilot.parameters.kept()
     }
 
     /// Names of the parameters that come from a parameter file and change nothing: clients list, read and set them.
     pub fn inert_parameters(&self) -> impl Iterator<Item = &str> {
-        self.parameters.inert_names()
+        self.component.autopilot.parameters.inert_names()
     }
 
     /// Whether a parameter has been set since this was last asked.
     pub fn take_parameters_changed(&mut self) -> bool {
-        std::mem::take(&mut self.parameters_changed)
+        self.services.parameters.take_changed()
+    }
+
+    /// The plans that have been changed since this was last asked, to be kept.
+    pub(crate) fn take_changed_plans(&mut self) -> Vec<PlanKind> {
+        self.services.missions.take_changed()
+    }
+
+    /// The items of a plan.
+    pub(crate) fn plan(&self, kind: PlanKind) -> &[PlanItem] {
+        self.component.autopilot.plan(kind)
     }
 
     /// Its settings.
     pub fn settings(&self) -> &VehicleSettings {
-        &self.settings
+        &self.component.settings
     }
 
     /// What it has done so far.
     pub fn counters(&self) -> VehicleCounters {
-        self.counters
+        let (own, flown) = (self.component.counters, self.component.autopilot.counters());
+        let mut all = own;
+        all += flown;
+        all
     }
 
     /// What [`handle`](Self::handle) has read so far.
@@ -312,61 +284,28 @@ impl Vehicle {
         self.wire
     }
 
+    #[cfg(test)]
+    pub(crate) fn autopilot(&self) -> &Autopilot {
+        &self.component.autopilot
+    }
+
+    #[cfg(test)]
+    pub(crate) fn autopilot_mut(&mut self) -> &mut Autopilot {
+        &mut self.component.autopilot
+    }
+
     fn integrate(&mut self, until: Duration, track: &mut Vec<State>) {
-        let step = self.settings.step;
-        while self.time + step <= until {
-            self.step_to(self.time + step, track);
-            if self.time >= self.links.next_due() {
-                self.with_instruments(Links::send_due);
+        let step = self.component.settings.step;
+        while self.component.autopilot.time() + step <= until {
+            self.step_to(self.component.autopilot.time() + step, track);
+            if self.component.autopilot.time() >= self.component.peers().next_due() {
+                self.component.with_instruments(Links::send_due);
             }
         }
     }
 
-    /// One integration step, and all that is looked at after it but telemetry.
     fn step_to(&mut self, time: Duration, track: &mut Vec<State>) {
-        self.live();
-        self.step_flight();
-        self.time = time;
-        track.push(*self.flight.state());
-        self.check_failsafes();
-        self.check_fence();
-        self.follow_mission();
-        self.follow_personality();
-        self.tell_what_is_against_arming();
-    }
-
-    pub(crate) fn set_mode(&mut self, mode: Mode) {
-        if mode == Mode::Auto && self.mode() != Mode::Auto {
-            self.begin_mission();
-        }
-        let is_new = mode != self.mode();
-        if mode == Mode::Rtl && is_new {
-            let rally = self.best_rally();
-            self.flight.set_rally(rally);
-            self.progress.has_looked_for_landing = false;
-        }
-        self.flight.set_mode(mode);
-        if is_new {
-            self.mode_changes_fence();
-        }
-        self.failsafes.setpoints_lost = false;
-        self.px4.failsafe = None;
-        self.restart_setpoint_timeout();
-        // A PX4 does not tell before its next heartbeat.
-        if is_new && self.settings.personality != Personality::Px4 {
-            self.send_stream_to_all(Stream::Heartbeat);
-        }
-    }
-
-    pub(crate) fn check_guided(&self) -> Result<(), SetpointRefused> {
-        match self.flight.mode() {
-            Mode::Guided => Ok(()),
-            other => Err(SetpointRefused::NotGuided(other)),
-        }
-    }
-
-    fn note_host_time(&mut self, now: Duration) {
-        self.host_now = self.host_now.max(now);
-        self.links.drop_silent(self.host_now);
+        self.component.autopilot.step(time, track);
+        self.component.tell_events();
     }
 }

@@ -281,7 +281,8 @@ fn the_messages_that_are_told_are_those_that_are_taken() {
         .map(str::to_owned)
         .collect();
     let services = source("sim-vehicle/src/protocol/mod.rs");
-    let mut taken: Names = after(&services, "\n            Message::").map(str::to_owned).collect();
+    let arms = services.lines().filter(|line| line.contains(" =>"));
+    let mut taken: Names = arms.flat_map(|arm| after(arm, "Message::")).map(str::to_owned).collect();
     for path in ["mavlink-bridge/src/command.rs", "mavlink-bridge/src/parameter.rs", "mavlink-bridge/src/mission.rs"] {
         let text = source(path);
         taken.extend(text.split("_DATA::ID =>").filter_map(|before| names(before).last()).map(str::to_owned));

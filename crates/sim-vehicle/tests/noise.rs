@@ -21,7 +21,9 @@ fn setpoint_frame(client: &mut Client) -> Vec<u8> {
 
 proptest! {
     #[test]
-    fn random_datagrams_change_nothing(datagrams in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..300), 1..20)) {
+    fn random_datagrams_change_nothing(
+        datagrams in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..300), 1..20),
+    ) {
         let mut client = Client::new(quiet());
         for datagram in &datagrams {
             client.vehicle.handle(Duration::ZERO, datagram, peer(9));
@@ -31,7 +33,9 @@ proptest! {
     }
 
     #[test]
-    fn a_spoiled_frame_changes_nothing_and_is_counted(position in 1..1000usize, flip in 1..=255u8, cut in any::<bool>()) {
+    fn a_spoiled_frame_changes_nothing_and_is_counted(
+        position in 1..1000usize, flip in 1..=255u8, cut in any::<bool>(),
+    ) {
         let mut client = Client::new(quiet());
         let mut datagram = setpoint_frame(&mut client);
         let index = position % datagram.len();
@@ -56,7 +60,8 @@ proptest! {
         // Message id, length of the payload, CRC_EXTRA.
         let kinds: [(u8, usize, u8); 20] = [
             (0, 9, 50), (4, 14, 237), (11, 6, 89), (75, 35, 158), (76, 33, 152), (77, 10, 143), (84, 53, 143),
-            (86, 53, 5), (111, 18, 34), (20, 20, 214), (21, 2, 159), (23, 23, 168), (44, 5, 221), (73, 38, 38), (39, 38, 254), (51, 5, 196),
+            (86, 53, 5), (111, 18, 34), (20, 20, 214), (21, 2, 159), (23, 23, 168), (44, 5, 221),
+            (73, 38, 38), (39, 38, 254), (51, 5, 196),
             (38, 7, 9), (41, 4, 28), (45, 3, 232), (66, 6, 148),
         ];
         let mut client = Client::new(quiet());

@@ -408,8 +408,8 @@ impl Move {
 }
 
 proptest! {
-    /// Whatever two writers send in whatever order, a plan changes only where its change is accepted, and a fence on board
-    /// always makes sense.
+    /// Whatever two writers send in whatever order, a plan changes only where its change is accepted, and a fence on
+    /// board always makes sense.
     #[test]
     fn nothing_is_half_applied(moves in prop::collection::vec((a_move(), any::<bool>(), any::<bool>()), 1..60)) {
         let mut client = Client::new(quiet());
@@ -424,7 +424,8 @@ proptest! {
             let changed = (now[0] != plans[0], now[1] != plans[1]);
             let may = (was_accepted && of_fence, was_accepted && !of_fence);
             prop_assert!((!changed.0 || may.0) && (!changed.1 || may.1), "{step:?}: {answer:?}");
-            let corners = now[0].iter().filter(|item| item.command == MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION).count();
+            let is_corner = |command| command == MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
+            let corners = now[0].iter().filter(|item| is_corner(item.command)).count();
             prop_assert!(corners % 4 == 0 && now[1].iter().all(|item| item.command == MAV_CMD_NAV_RALLY_POINT));
             plans = now;
         }

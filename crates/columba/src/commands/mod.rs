@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod fly;
+mod recover;
 mod run;
 mod suites;
 mod table;
@@ -11,6 +12,7 @@ mod vehicles;
 pub use check::check;
 pub use compare::compare;
 pub use fly::fly;
+pub use recover::recover;
 pub use run::run;
 pub use suites::suites;
 pub use vehicles::vehicles;
@@ -22,6 +24,7 @@ use crate::flight::Flight;
 use crate::flying::{self, Log, Stop};
 use crate::record::{self, Occupied, RecordError, RunFolder};
 use crate::report;
+use crate::station::record::drawable;
 use anyhow::{Context, anyhow};
 use std::fmt::Display;
 use std::future::Future;
@@ -182,6 +185,27 @@ fn conclude(
     if with_report {
         report::write(folder.path(), flight)?;
     }
+    told(cli, scenario, folder, flight, with_report)
+}
+
+/// The same for a flight whose log is in the folder already, and of which not everything is known.
+fn conclude_recorded(
+    cli: &Cli,
+    scenario: &Scenario,
+    folder: &RunFolder,
+    flight: &Flight,
+    with_report: bool,
+) -> Result<(), Failure> {
+    remove_older(folder, false, !with_report)?;
+    record::write(folder, flight)?;
+    if with_report {
+        report::write(folder.path(), &drawable(flight))?;
+    }
+    told(cli, scenario, folder, flight, with_report)
+}
+
+/// Says where the flight is written, and how it ended.
+fn told(cli: &Cli, scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bool) -> Result<(), Failure> {
     if !cli.quiet {
         say(scenario, folder, flight, with_report);
     }

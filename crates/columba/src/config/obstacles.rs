@@ -1,5 +1,6 @@
 //! Circles, one by one or at random.
 
+use nalgebra::Vector2;
 use optimizer::stream;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,13 @@ pub struct ObstaclesTable {
     pub y_min_m: f64,
     /// Easternmost centre, m.
     pub y_max_m: f64,
+}
+
+impl ObstacleTable {
+    /// Its centre (north, east), m.
+    fn centre_m(&self) -> Vector2<f64> {
+        Vector2::new(self.x_m, self.y_m)
+    }
 }
 
 impl Default for ObstaclesTable {
@@ -82,8 +90,7 @@ pub fn scatter(table: &ObstaclesTable, seed: u64) -> Vec<ObstacleTable> {
 
 /// Between two edges.
 fn gap_m(a: &ObstacleTable, b: &ObstacleTable) -> f64 {
-    let (dx, dy) = (a.x_m - b.x_m, a.y_m - b.y_m);
-    (dx * dx + dy * dy).sqrt() - a.radius_m - b.radius_m
+    (a.centre_m() - b.centre_m()).norm() - a.radius_m - b.radius_m
 }
 
 #[cfg(test)]

@@ -137,6 +137,11 @@ impl Provenance {
         }
     }
 
+    /// Whether any layer says something of a key.
+    pub fn names(&self, key: &str) -> bool {
+        self.find(key).is_some()
+    }
+
     /// An error with every fault at its place, in the order of the lines, if there is any. `check` finds the faults of
     /// other layers: a fault of the file that it has only with a layer over it is told with that layer.
     pub(super) fn refuse(&self, faults: &Faults, check: impl Fn(&Self) -> Faults) -> Result<(), ConfigError> {

@@ -4,6 +4,7 @@
 
 use super::source::{ConfigError, Source};
 use flight_model::{State, wrap_pi};
+use nalgebra::Vector2;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -55,11 +56,11 @@ pub fn read(path: &Path) -> Result<Vec<Place>, ConfigError> {
 }
 
 impl Place {
-    /// The start of this vehicle, with home at (north, east) in m; it flies as fast as `like` does.
-    pub fn start(&self, home: (f64, f64), like: &State) -> State {
+    /// The start of this vehicle, with home at a position (north, east) in m; it flies as fast as `like` does.
+    pub fn start(&self, home_m: Vector2<f64>, like: &State) -> State {
         State {
-            x_m: home.0 + self.north_m,
-            y_m: home.1 + self.east_m,
+            x_m: home_m.x + self.north_m,
+            y_m: home_m.y + self.east_m,
             altitude_m: like.altitude_m + self.up_m,
             course_rad: wrap_pi(self.heading_deg.to_radians()),
             ..*like

@@ -18,7 +18,7 @@ pub use log::Log;
 pub use memory::{Memory, fly_in_memory};
 pub use progress::{Progress, progress_over};
 pub use real_time::RealTime;
-pub use recorder::{Ended, Recorder};
+pub use recorder::{Ended, Recorder, field, name_of, settings};
 pub use vehicles::{LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, vehicle_settings};
 pub use world::{Interval, World, fly};
 
@@ -26,7 +26,7 @@ pub use world::{Interval, World, fly};
 pub type Stop = tokio::sync::watch::Receiver<bool>;
 
 /// Resolves once the flight is asked to end.
-async fn stopped(stop: &mut Stop) {
+pub async fn stopped(stop: &mut Stop) {
     // A sender that is gone can ask for nothing any more.
     if stop.wait_for(|stop| *stop).await.is_err() {
         std::future::pending().await

@@ -143,6 +143,7 @@ impl Recorder {
             wall_s,
             real_time_factor: if wall_s > 0.0 { duration_s / wall_s } else { 0.0 },
             link,
+            station: serde_json::Value::Null,
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
         Flight { summary, field: field(scenario), settings: settings(scenario), trajectory: self.trajectory }
@@ -155,7 +156,8 @@ impl Recorder {
     }
 }
 
-fn field(scenario: &Scenario) -> Field {
+/// The field of a scenario.
+pub fn field(scenario: &Scenario) -> Field {
     Field {
         obstacles: scenario
             .obstacles
@@ -173,7 +175,7 @@ fn field(scenario: &Scenario) -> Field {
 }
 
 /// The reading of the paper that flew, by the names of the scenario file.
-fn settings(scenario: &Scenario) -> Vec<Setting> {
+pub fn settings(scenario: &Scenario) -> Vec<Setting> {
     let mut settings = vec![Setting { name: "preset".to_owned(), value: name_of(&scenario.preset) }];
     let algorithm = scenario.optimizer.algorithm.key();
     settings.push(Setting { name: "optimizer.algorithm".to_owned(), value: algorithm.to_owned() });
@@ -200,6 +202,6 @@ fn add(settings: &mut Vec<Setting>, table: &str, values: &serde_json::Value) {
 }
 
 /// The name under which a scenario file speaks of an enum's value.
-fn name_of(value: &impl serde::Serialize) -> String {
+pub fn name_of(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }

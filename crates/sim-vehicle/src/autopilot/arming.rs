@@ -1,14 +1,15 @@
 //! Arming and disarming, what stands against it, and what follows on the ground.
 
-use crate::autopilot::flight::Event;
-use crate::autopilot::mission::{LAND_START, RETURN_PATH_START};
-use crate::firmware::Personality;
+use crate::autopilot::Autopilot;
+use crate::autopilot::failsafe::battery;
+use crate::autopilot::flight::ground::TouchDown;
+use crate::autopilot::mission::items::{LAND_START, RETURN_PATH_START};
+use crate::autopilot::mission::progress::Progress;
+use crate::autopilot::timer::Timer;
+use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
-use crate::parameters::Parameter;
-use crate::protocol::command::Refusal;
-use crate::vehicle::Vehicle;
+use crate::parameters::table::Parameter;
 use crate::world::GpsSettings;
-use mavlink_bridge::dialect::{MavResult, MavSeverity};
 use std::time::Duration;
 
 /// Param 2 of COMPONENT_ARM_DISARM: whatever stands against it.
@@ -22,9 +23,9 @@ const CHECK_GPS: u32 = 1 << 3;
 const CHECK_BATTERY: u32 = 1 << 8;
 const CHECK_MISSION: u32 = 1 << 14;
 
-impl Vehicle {
+impl Autopilot {
     /// Param 1: 1 to arm, 0 to disarm. Param 2: 21196 by force, as ArduPlane: in the air it is disarmed only so.
-    pub(crate) fn arm_or_disarm(&mut self, [p1, p2]: [f32; 2]) -> Result<(), Refusal> {
+    pub(crate) fn arm_or_disarm(&mut self, [p1, p2]: [f32; 2]) -> Result<(), CommandError> {
         let is_armed = self.flight.is_armed();
         if p1 == 1.0 {
             if is_armed {
@@ -32,33 +33,33 @@ impl Vehicle {
             }
             let is_forced = p2 == FORCE || p2 == FORCE_ARMING;
             if let Some(reason) = self.against_arming().filter(|_| !is_forced) {
-                let severity = MavSeverity::MAV_SEVERITY_CRITICAL;
-                return Err(Refusal { severity, ..Refusal::failed(format!("Arm: {reason}")) });
+                let severity = Severity::Critical;
+                return Err(CommandError { severity, ..CommandError::failed(format!("Arm: {reason}")) });
             }
             if self.parameters.get(Parameter::ArmingCheck) == 0.0 {
-                self.say(MavSeverity::MAV_SEVERITY_WARNING, "Warning: Arming Checks Disabled");
+                self.say(Severity::Warning, "Warning: Arming Checks Disabled");
             }
             self.arm();
         } else if p1 == 0.0 {
             if is_armed && self.flight.is_flying() && p2 != FORCE {
-                return Err(Refusal::failed("Disarm: it is flying"));
+                return Err(CommandError::failed("Disarm: it is flying"));
             }
             if is_armed {
                 self.disarm();
             }
         } else {
-            return Err(Refusal::unsupported());
+            return Err(CommandError::unsupported());
         }
         Ok(())
     }
 
     /// RUN_PREARM_CHECKS: accepted, and what stands against arming comes in words.
-    pub(crate) fn run_prearm_checks(&mut self) -> Result<(), Refusal> {
+    pub(crate) fn run_prearm_checks(&mut self) -> Result<(), CommandError> {
         if self.flight.is_armed() {
-            return Err(Refusal::new(MavResult::MAV_RESULT_TEMPORARILY_REJECTED, "PreArm: it is armed"));
+            return Err(CommandError::rejected("PreArm: it is armed"));
         }
         if let Some(reason) = self.against_arming() {
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &format!("PreArm: {reason}"));
+            self.say(Severity::Critical, &format!("PreArm: {reason}"));
         }
         Ok(())
     }
@@ -84,8 +85,8 @@ impl Vehicle {
         } else if is_checked(CHECK_GPS) && !GpsSettings::of(&self.parameters).has_fix() {
             Some("GPS 1: Bad fix".into())
         } else {
-            let battery = if is_checked(CHECK_BATTERY) { self.battery_forbids_arming() } else { None };
-            battery.or_else(|| self.fence_forbids_arming())
+            let battery = if is_checked(CHECK_BATTERY) { battery::forbids_arming(&self.situation()) } else { None };
+            battery.or_else(|| self.session.fence.forbids_arming(&self.situation()))
         }
     }
 
@@ -93,31 +94,33 @@ impl Vehicle {
     pub(crate) fn tell_what_is_against_arming(&mut self) {
         const AGAIN_AFTER: Duration = Duration::from_secs(30);
         // Often enough: nobody looks at it between two heartbeats.
-        let is_due = self.time.subsec_nanos() == 0 && self.settings.personality == Personality::ArduPlane;
+        let is_due = self.time.subsec_nanos() == 0 && self.rules.tells_arming_reason;
         if !is_due || self.flight.is_armed() {
             return;
         }
         let reason = self.against_arming();
-        let is_new = reason != self.arming_reason;
-        if let Some(text) = reason.as_ref().filter(|_| is_new || self.time >= self.arming_reason_due) {
-            self.arming_reason_due = self.time + AGAIN_AFTER;
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, &format!("PreArm: {text}"));
+        let is_new = reason != self.session.arming_reason;
+        if let Some(text) =
+            reason.as_ref().filter(|_| is_new || !self.session.timers.is_running(Timer::ArmingReason, self.time))
+        {
+            self.session.timers.set(Timer::ArmingReason, self.time + AGAIN_AFTER);
+            self.say(Severity::Critical, &format!("PreArm: {text}"));
         }
-        self.arming_reason = reason;
+        self.session.arming_reason = reason;
     }
 
     /// Arms it. On the ground home is where it stands, unless somebody has set another.
     pub(crate) fn arm(&mut self) {
-        if self.flight.is_on_ground() && !self.home_is_set {
+        if self.flight.is_on_ground() && !self.session.home_is_set {
             self.set_home_here();
         }
         if self.mode() == Mode::Auto {
-            self.begin_mission();
+            self.session.progress.begin(&self.mission);
         }
         self.flight.arm();
-        self.arming_changes_fence();
+        self.tell_fence_of_arming();
         self.restart_setpoint_timeout();
-        self.say(MavSeverity::MAV_SEVERITY_INFO, "Throttle armed");
+        self.say(Severity::Info, "Throttle armed");
     }
 
     pub(crate) fn disarm(&mut self) {
@@ -126,27 +129,31 @@ impl Vehicle {
     }
 
     fn have_disarmed(&mut self) {
-        self.arming_changes_fence();
+        self.tell_fence_of_arming();
         self.stop_setpoint_timeout();
         // In AUTO ArduPlane stays where the mission has come to.
         if self.mode() != Mode::Auto {
-            self.reset_mission();
+            self.session.progress = Progress::at_beginning(&self.mission);
         }
-        self.say(MavSeverity::MAV_SEVERITY_INFO, "Throttle disarmed");
+        self.say(Severity::Info, "Throttle disarmed");
+    }
+
+    fn tell_fence_of_arming(&mut self) {
+        self.session.fence.arming_changed(self.flight.is_armed(), &self.parameters, &mut self.events);
     }
 
     /// Moves the vehicle on by one integration step, and does what follows from it on the ground.
     pub(crate) fn step_flight(&mut self) {
         self.move_sticks();
         let was_armed = self.flight.is_armed();
-        if let Some(Event::TouchedDown { sink_mps }) = self.flight.step() {
-            self.say(MavSeverity::MAV_SEVERITY_INFO, &format!("SIM Hit ground at {sink_mps:.6} m/s"));
+        if let Some(TouchDown { sink_mps }) = self.flight.step() {
+            self.say(Severity::Info, &format!("SIM Hit ground at {sink_mps:.6} m/s"));
             if was_armed && !self.flight.is_armed() {
                 self.have_disarmed();
             }
         }
         if self.flight.is_flying() {
-            self.flown_at = self.time;
+            self.session.timers.set(Timer::Flown, self.time);
         } else if self.flight.is_armed() && self.flight.is_on_ground() && self.flight.is_landing() {
             self.disarm_after_landing();
         }
@@ -155,9 +162,10 @@ impl Vehicle {
     /// LAND_DISARMDELAY after it has last flown; 0: never.
     fn disarm_after_landing(&mut self) {
         let delay = Duration::from_secs(self.parameters.get(Parameter::DisarmDelay) as u64);
-        if !delay.is_zero() && self.time.saturating_sub(self.flown_at) >= delay {
+        let since = self.session.timers.since(Timer::Flown, self.time).unwrap_or(self.time);
+        if !delay.is_zero() && since >= delay {
             self.disarm();
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "Auto disarmed");
+            self.say(Severity::Info, "Auto disarmed");
         }
     }
 }

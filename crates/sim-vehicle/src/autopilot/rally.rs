@@ -1,9 +1,12 @@
 //! Rally points: places to return to that are nearer than home.
 
-use crate::autopilot::flight::RallyPlace;
-use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavCmd, MavMissionResult};
+use crate::autopilot::flight::Flight;
+use crate::autopilot::flight::guidance::RallyPlace;
+use crate::autopilot::home::Reference;
+use crate::error::PlanError;
+use crate::parameters::Parameters;
+use crate::parameters::table::Parameter;
+use mavlink_bridge::dialect::MavCmd;
 use mavlink_bridge::{AltitudeDatum, PlanItem};
 
 /// Most rally points, as on ArduPilot's larger boards.
@@ -14,23 +17,23 @@ const RALLY_POINT: u16 = MavCmd::MAV_CMD_NAV_RALLY_POINT as u32 as u16;
 /// The rally points on board.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rally {
-    pub items: Vec<PlanItem>,
+    items: Vec<PlanItem>,
 }
 
-/// Whether an item can be a rally point; the result code that says why not, in ArduPilot's order. It keeps altitudes in 16
-/// bits.
-pub(crate) fn check(item: &PlanItem) -> Result<(), MavMissionResult> {
+/// Whether an item can be a rally point; the result code that says why not, in ArduPilot's order. It keeps altitudes in
+/// 16 bits.
+pub(crate) fn check(item: &PlanItem) -> Result<(), PlanError> {
     let altitudes_m = f32::from(i16::MIN)..=f32::from(i16::MAX);
     if item.command != RALLY_POINT {
-        Err(MavMissionResult::MAV_MISSION_UNSUPPORTED)
+        Err(PlanError::Unsupported)
     } else if !item.position().is_latitude_valid() {
-        Err(MavMissionResult::MAV_MISSION_INVALID_PARAM5_X)
+        Err(PlanError::InvalidParam(5))
     } else if !item.position().is_longitude_valid() {
-        Err(MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y)
+        Err(PlanError::InvalidParam(6))
     } else if !altitudes_m.contains(&item.z_m) {
-        Err(MavMissionResult::MAV_MISSION_INVALID_PARAM7)
+        Err(PlanError::InvalidParam(7))
     } else if item.altitude_datum().is_none() {
-        Err(MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME)
+        Err(PlanError::UnsupportedFrame)
     } else {
         Ok(())
     }
@@ -47,33 +50,36 @@ pub(crate) fn as_kept(item: &PlanItem) -> PlanItem {
     PlanItem { command, frame, latitude_e7, longitude_e7, z_m: item.z_m.trunc(), ..PlanItem::default() }
 }
 
-impl Vehicle {
+impl Rally {
+    pub fn items(&self) -> &[PlanItem] {
+        &self.items
+    }
+
+    pub fn replace(&mut self, items: &[PlanItem]) {
+        self.items = items.iter().map(as_kept).collect();
+    }
+
     /// The rally point to return to from here: the nearest, if it is within RALLY_LIMIT_KM and, where home counts too
     /// (RALLY_INCL_HOME), nearer than home. None means home.
-    pub(crate) fn best_rally(&self) -> Option<RallyPlace> {
-        let limit_m = 1000.0 * f64::from(self.parameters.get(Parameter::RallyLimit));
-        let home_counts = self.parameters.get(Parameter::RallyIncludesHome) != 0.0;
-        let points = self.rally.items.iter().map(|item| {
-            let at = self.place_of(item);
-            (self.distance_to_m(at), RallyPlace { at, altitude_m: self.altitude_of(item) })
+    pub fn best(&self, flight: &Flight, reference: &Reference<'_>, parameters: &Parameters) -> Option<RallyPlace> {
+        let limit_m = 1000.0 * f64::from(parameters.get(Parameter::RallyLimit));
+        let home_counts = parameters.get(Parameter::RallyIncludesHome) != 0.0;
+        let points = self.items.iter().map(|item| {
+            let at = reference.place_of(item, flight.here());
+            (flight.distance_m(at), RallyPlace { at, altitude_m: reference.altitude_of(item) })
         });
         points
             .min_by(|(near_m, _), (far_m, _)| near_m.total_cmp(far_m))
             .filter(|(away_m, _)| limit_m <= 0.0 || *away_m <= limit_m)
-            .filter(|(away_m, _)| !home_counts || *away_m < self.distance_to_m(self.flight.home().at()))
+            .filter(|(away_m, _)| !home_counts || *away_m < flight.distance_m(reference.home.at()))
             .map(|(_, place)| place)
-    }
-
-    fn distance_to_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
-        let state = self.flight.estimate();
-        let (north_m, east_m) = (x_m - state.x_m, y_m - state.y_m);
-        (north_m * north_m + east_m * east_m).sqrt()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::autopilot::Autopilot;
     use crate::settings::VehicleSettings;
 
     fn point(latitude_e7: i32, z_m: f32) -> PlanItem {
@@ -92,12 +98,12 @@ mod tests {
         let good = point(399_800_000, 90.0);
         assert_eq!(check(&good), Ok(()));
         for (item, result) in [
-            (PlanItem { command: 16, ..good }, MavMissionResult::MAV_MISSION_UNSUPPORTED),
-            (PlanItem { latitude_e7: i32::MIN, ..good }, MavMissionResult::MAV_MISSION_INVALID_PARAM5_X),
-            (PlanItem { longitude_e7: i32::MAX, ..good }, MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y),
-            (PlanItem { z_m: f32::NAN, ..good }, MavMissionResult::MAV_MISSION_INVALID_PARAM7),
-            (PlanItem { z_m: 40_000.0, ..good }, MavMissionResult::MAV_MISSION_INVALID_PARAM7),
-            (PlanItem { frame: 1, ..good }, MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME),
+            (PlanItem { command: 16, ..good }, PlanError::Unsupported),
+            (PlanItem { latitude_e7: i32::MIN, ..good }, PlanError::InvalidParam(5)),
+            (PlanItem { longitude_e7: i32::MAX, ..good }, PlanError::InvalidParam(6)),
+            (PlanItem { z_m: f32::NAN, ..good }, PlanError::InvalidParam(7)),
+            (PlanItem { z_m: 40_000.0, ..good }, PlanError::InvalidParam(7)),
+            (PlanItem { frame: 1, ..good }, PlanError::UnsupportedFrame),
         ] {
             assert_eq!(check(&item), Err(result), "{item:?}");
         }
@@ -105,11 +111,11 @@ mod tests {
 
     #[test]
     fn the_nearest_point_within_the_limit_is_gone_to() {
-        let mut vehicle = Vehicle::new(VehicleSettings { ground: None, ..VehicleSettings::default() }).unwrap();
-        let altitude_m = |vehicle: &Vehicle| vehicle.best_rally().map(|rally| rally.altitude_m);
+        let mut vehicle = Autopilot::new(&VehicleSettings::default(), false);
+        let altitude_m = |vehicle: &Autopilot| vehicle.best_rally().map(|rally| rally.altitude_m);
         assert_eq!(altitude_m(&vehicle), None);
         // About 3.3 and 1.1 km to the north, 80 and 90 m above home.
-        vehicle.rally.items = vec![point(400_100_000, 80.0), point(399_900_000, 90.0)];
+        vehicle.rally.replace(&[point(400_100_000, 80.0), point(399_900_000, 90.0)]);
         assert_eq!(altitude_m(&vehicle), Some(90.0));
         vehicle.set_parameter(Parameter::RallyLimit, 1.0).unwrap();
         assert_eq!(altitude_m(&vehicle), None);

@@ -1,7 +1,10 @@
 //! For whom a message is. An ArduPlane looks at the system alone; a PX4 looks at the component too, and drops in silence what
 //! is for another one.
 
-use super::Personality;
+// Clients still send what the dialect calls superseded.
+#![allow(deprecated)]
+
+use super::rules::CommandSet;
 use mavlink_bridge::dialect::Message;
 use mavlink_bridge::{Incoming, Request, Target};
 
@@ -23,12 +26,12 @@ enum Rule {
     SystemAnyComponent,
 }
 
-impl Personality {
+impl CommandSet {
     /// Whether the autopilot of a system and component obeys a message.
-    pub(crate) fn hears(self, incoming: &Incoming, system_id: u8, component_id: u8) -> bool {
+    pub fn hears(self, incoming: &Incoming, system_id: u8, component_id: u8) -> bool {
         let rule = match self {
-            Personality::Px4 => px4_rule(&incoming.request),
-            Personality::ArduPlane | Personality::Generic => Rule::AnyComponent,
+            CommandSet::Px4 => px4_rule(&incoming.request),
+            CommandSet::ArduPlane | CommandSet::Generic => Rule::AnyComponent,
         };
         rule.admits(incoming.target, system_id, component_id)
     }

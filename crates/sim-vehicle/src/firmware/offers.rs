@@ -1,6 +1,8 @@
 //! What an autopilot makes of a message that somebody asks for, by its number.
 
-use super::{Personality, arduplane, px4};
+use super::rules::CommandSet;
+use super::{arduplane, px4};
+use crate::autopilot::Autopilot;
 use crate::telemetry::streams::Stream;
 
 /// A message as an autopilot offers it.
@@ -16,13 +18,18 @@ pub(crate) enum Offer {
     None,
 }
 
-impl Personality {
-    /// What it makes of a message.
-    pub(crate) fn offer(self, message_id: u32) -> Offer {
+impl CommandSet {
+    /// What an autopilot makes of a message.
+    pub fn offer(self, message_id: u32) -> Offer {
         match self {
-            Personality::ArduPlane => arduplane::messages::offer(message_id),
-            Personality::Px4 => px4::messages::offer(message_id),
-            Personality::Generic => Stream::from_message_id(message_id).map_or(Offer::None, Offer::Sent),
+            CommandSet::ArduPlane => arduplane::messages::offer(message_id),
+            CommandSet::Px4 => px4::messages::offer(message_id),
+            CommandSet::Generic => Stream::from_message_id(message_id).map_or(Offer::None, Offer::Sent),
         }
     }
+}
+
+/// Whether a PX4 has something to say in a message.
+pub(crate) fn px4_has(autopilot: &Autopilot, stream: Stream) -> bool {
+    px4::messages::has(autopilot, stream)
 }

@@ -4,7 +4,7 @@ use crate::counters::VehicleCounters;
 use crate::host::clock::{Advance, Clock, HostError, Observer, RealTime};
 use crate::host::system_ids::SystemIds;
 use crate::parameters::file;
-use crate::protocol::mission as plans;
+use crate::protocol::mission::file as plan_file;
 use crate::vehicle::Vehicle;
 use flight_model::State;
 use mavlink_bridge::{Counters, LinkError, UdpLink, incoming};
@@ -60,7 +60,7 @@ impl Endpoint {
         }
         let ids = Arc::new(SystemIds::new(vehicles.iter().map(|vehicle| vehicle.settings().system_id).collect()));
         for (place, vehicle) in vehicles.iter_mut().enumerate() {
-            vehicle.share_port(Arc::clone(&ids), place);
+            vehicle.parameter_service().share_port(Arc::clone(&ids), place);
         }
         Ok(Self { link, vehicles, first, state_folder: None, frames: Counters::default(), track: Vec::new() })
     }
@@ -151,8 +151,8 @@ impl Endpoint {
         let vehicle = &mut self.vehicles[index];
         let Some(folder) = &self.state_folder else { return };
         for kind in vehicle.take_changed_plans() {
-            let path = plans::file::path(folder, self.first + index, kind);
-            if let Err(error) = plans::file::write(&path, vehicle.plan(kind)) {
+            let path = plan_file::path(folder, self.first + index, kind);
+            if let Err(error) = plan_file::write(&path, vehicle.plan(kind)) {
                 tracing::warn!(path = %path.display(), %error, "cannot keep a plan");
             }
         }

@@ -8,7 +8,7 @@ use crate::counters::VehicleCounters;
 use crate::host::clock::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
 use crate::host::endpoint::{Endpoint, EndpointReport, Shell, stopped};
 use crate::parameters::file::{self, ParameterFileError};
-use crate::protocol::mission as plans;
+use crate::protocol::mission::file as plan_file;
 use crate::protocol::parameter::Pace;
 use crate::settings::{SettingsError, VehicleSettings};
 use crate::vehicle::Vehicle;
@@ -29,15 +29,15 @@ pub struct HostSettings {
     pub bind: IpAddr,
     /// Port of the first vehicle or group; each further one has the next port. 0: any free ports.
     pub base_port: u16,
-    /// Vehicles on one port, 1 to 250: the rest go to the next, as each further network of 250 does. Frames find theirs by
-    /// the target system.
+    /// Vehicles on one port, 1 to 250: the rest go to the next, as each further network of 250 does. Frames find theirs
+    /// by the target system.
     pub vehicles_per_port: usize,
     /// The clock.
     pub clock: Clock,
     /// Receive buffer and impairment of every port. Each port draws its own random numbers from the seed.
     pub link: LinkSettings,
-    /// Folder of the files in which parameters and plans survive a restart, `vehicle-1.parm`, `vehicle-1-mission.txt` and
-    /// so on; none: they do not.
+    /// Folder of the files in which parameters and plans survive a restart, `vehicle-1.parm`, `vehicle-1-mission.txt`
+    /// and so on; none: they do not.
     pub state_folder: Option<PathBuf>,
 }
 
@@ -61,12 +61,33 @@ pub struct HostReport {
     pub vehicles: Vec<VehicleCounters>,
     /// What all ports together have seen.
     pub wire: Counters,
-    /// In real time, vehicle seconds for each second of the wall clock: less than was asked for where the machine did not
-    /// keep up.
+    /// In real time, vehicle seconds for each second of the wall clock: less than was asked for where the machine did
+    /// not keep up.
     pub speed_reached: Option<f64>,
 }
 
 /// Vehicles with their ports bound, ready to run.
+///
+/// ```
+/// use sim_vehicle::{Host, HostSettings, VehicleSettings};
+/// use std::sync::Arc;
+/// use std::time::Duration;
+///
+/// # tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(async {
+/// let settings = HostSettings { base_port: 0, ..HostSettings::default() };
+/// let vehicles = (1..=2).map(|system_id| VehicleSettings { system_id, ground: None, ..VehicleSettings::default() });
+/// let host = Host::bind(&settings, vehicles.collect())?;
+/// println!("they listen on {:?}", host.addresses());
+///
+/// let (stop, stopped) = tokio::sync::watch::channel(false);
+/// let running = tokio::spawn(host.run(Arc::new(|advance| assert!(!advance.track.is_empty())), stopped));
+/// tokio::time::sleep(Duration::from_millis(50)).await;
+/// stop.send_replace(true);
+/// let report = running.await.unwrap()?;
+/// assert_eq!(report.vehicles.len(), 2);
+/// # Ok::<(), sim_vehicle::HostError>(())
+/// # }).unwrap();
+/// ```
 pub struct Host {
     endpoints: Vec<Endpoint>,
     addresses: Vec<SocketAddr>,
@@ -81,6 +102,10 @@ impl fmt::Debug for Host {
 
 impl Host {
     /// Binds the ports of all vehicles, or none of them. Must be called within a Tokio runtime.
+    ///
+    /// # Errors
+    /// A setting is out of its range, a vehicle's settings are not valid, a file of the state folder cannot be read, or
+    /// a port cannot be bound.
     pub fn bind(settings: &HostSettings, vehicles: Vec<VehicleSettings>) -> Result<Self, HostError> {
         settings.validate(vehicles.len())?;
         let pace = Arc::new(Pace::default());
@@ -90,7 +115,7 @@ impl Host {
             .map(|(vehicle, mut own)| {
                 if let Some(folder) = &settings.state_folder {
                     own.kept_parameters = file::read_kept(&file::path(folder, vehicle))?;
-                    own.plans = plans::file::read(folder, vehicle, own.personality)?;
+                    own.plans = plan_file::read(folder, vehicle, own.personality)?;
                 }
                 let built = match settings.clock {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
@@ -102,7 +127,7 @@ impl Host {
                     }
                     source => HostError::Vehicle { vehicle, source },
                 })?;
-                built.keep_pace(Arc::clone(&pace));
+                built.parameter_service().keep_pace(Arc::clone(&pace));
                 Ok(built)
             })
             .collect::<Result<_, HostError>>()?;
@@ -135,8 +160,11 @@ impl Host {
         self.endpoints.iter().flat_map(Endpoint::vehicles)
     }
 
-    /// Runs the vehicles until `stop` holds true or its sender is gone; without vehicles, returns at once. The ports are
-    /// free when this returns.
+    /// Runs the vehicles until `stop` holds true or its sender is gone; without vehicles, returns at once. The ports
+    /// are free when this returns.
+    ///
+    /// # Errors
+    /// A port fails: then all vehicles stop.
     pub async fn run(self, observer: Observer, mut stop: watch::Receiver<bool>) -> Result<HostReport, HostError> {
         let (stop_all, stop_endpoints) = watch::channel(false);
         let mut tasks: JoinSet<Result<EndpointReport, LinkError>> = JoinSet::new();

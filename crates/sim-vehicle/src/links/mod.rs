@@ -1,10 +1,11 @@
-//! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an autopilot
-//! has them for each of its ports.
+//! Whom the vehicle talks to: one link for each peer, with its own sequence numbers and telemetry rates, as an
+//! autopilot has them for each of its ports.
 
 mod texts;
 
-use crate::settings::{TelemetryRates, VehicleSettings};
+use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
+use crate::telemetry::rates::TelemetryRates;
 use crate::telemetry::streams::{Schedule, Stream};
 use crate::world::{Noise, Source};
 use mavlink_bridge::dialect::{DialectMessage, MavMissionResult, MavResult, Message};
@@ -29,7 +30,8 @@ pub struct Transmit {
 pub(crate) const DATAGRAM_BYTES_MAX: usize = 1200;
 /// A peer that says nothing for so long is forgotten (the ground address never is).
 pub(crate) const SILENCE_MAX: Duration = Duration::from_secs(120);
-/// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of them.
+/// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of
+/// them.
 pub(crate) const LINKS_MAX: usize = 64;
 
 #[derive(Debug)]
@@ -142,7 +144,7 @@ impl Links {
             for &stream in streams {
                 self.links[index].schedule.set_interval(
                     stream,
-                    stream.default_interval(rates, self.settings.personality),
+                    stream.default_interval(rates, self.settings.personality.rules()),
                     time,
                 );
             }
@@ -153,7 +155,7 @@ impl Links {
     /// Every link has the default rates again.
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {
-            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
+            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
             link.noted_intervals.clear();
         }
         self.find_next_due();
@@ -183,8 +185,8 @@ impl Links {
         (index, true)
     }
 
-    /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred vehicles
-    /// at once tell a client more than it can read.
+    /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred
+    /// vehicles at once tell a client more than it can read.
     pub fn slow_down(&mut self, index: usize) {
         const WHILE: Duration = Duration::from_secs(1);
         self.links[index].slow_until = self.now + WHILE;
@@ -211,7 +213,7 @@ impl Links {
     }
 
     fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
-        let schedule = Schedule::new(&self.settings.rates, self.settings.personality, time);
+        let schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
         self.links.push(Link {
             peer,
             permanent,
@@ -266,7 +268,7 @@ impl Links {
     pub fn send_due(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
             for stream in
-                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+                self.links[index].schedule.take_due(instruments.time()).filter(|stream| instruments.has(*stream))
             {
                 if !self.is_left_out(index, stream) {
                     self.send_stream(index, stream, instruments);
@@ -292,7 +294,7 @@ impl Links {
     pub fn send_due_and_position(&mut self, instruments: &Instruments<'_>) {
         for index in 0..self.links.len() {
             for stream in
-                self.links[index].schedule.take_due(instruments.time).filter(|stream| instruments.has(*stream))
+                self.links[index].schedule.take_due(instruments.time()).filter(|stream| instruments.has(*stream))
             {
                 if stream != Stream::LocalPositionNed {
                     self.send_stream(index, stream, instruments);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::settings::TelemetryRates;
+use crate::telemetry::rates::TelemetryRates;
 use mavlink_bridge::telemetry::ground_heartbeat;
 
 const NOW: Duration = Duration::ZERO;

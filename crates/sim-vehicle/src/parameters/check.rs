@@ -1,8 +1,10 @@
 //! Whether the parameters that settings start with are the vehicle's, and in their ranges; for those who check settings
 //! before anything flies.
 
+use super::defaults::in_any_order;
 use super::file::Place;
-use super::{Listed, ParameterRefused, Parameters, in_any_order};
+use super::{Listed, Parameters};
+use crate::error::ParameterError;
 use crate::settings::VehicleSettings;
 
 /// A parameter that a vehicle does not take at the start.
@@ -37,7 +39,7 @@ pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
         let taken = match parameters.find(name) {
             Some(Listed::Acting(parameter)) => parameters.set(parameter, *value),
             Some(Listed::Inert(index)) => parameters.set_inert(index, f64::from(*value)),
-            None => Err(ParameterRefused::Unknown(name.clone())),
+            None => Err(ParameterError::Unknown(name.clone())),
         };
         if let Err(reason) = taken {
             faults.push(ParameterFault { name: name.clone(), value: *value, place: None, wanted: wanted(&reason) });
@@ -47,13 +49,13 @@ pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
 }
 
 /// What would be right instead.
-fn wanted(refused: &ParameterRefused) -> String {
+fn wanted(refused: &ParameterError) -> String {
     match refused {
-        ParameterRefused::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
-        ParameterRefused::ReadOnly(_) => "left out: it is only read".to_owned(),
-        ParameterRefused::Type(_) | ParameterRefused::NotFinite(_) => "a finite number".to_owned(),
-        ParameterRefused::SystemIdTaken(_) => "a number that no other vehicle of the port has".to_owned(),
-        ParameterRefused::Range { least, most, .. } => format!("a number from {least} to {most}"),
+        ParameterError::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
+        ParameterError::ReadOnly(_) => "left out: it is only read".to_owned(),
+        ParameterError::Type(_) | ParameterError::NotFinite(_) => "a finite number".to_owned(),
+        ParameterError::SystemIdTaken(_) => "a number that no other vehicle of the port has".to_owned(),
+        ParameterError::Range { least, most, .. } => format!("a number from {least} to {most}"),
     }
 }
 

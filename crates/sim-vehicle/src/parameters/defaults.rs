@@ -1,69 +1,31 @@
 //! What a vehicle makes of parameter files: which of their lines act, and which are inert.
 
+use super::Parameters;
 use super::file::{ParameterEntry, ParameterFile};
-use super::{Listed, Parameter, ParameterRefused, Parameters};
-use crate::settings::SettingsError;
-use crate::vehicle::Vehicle;
+use super::table::Parameter;
+use crate::error::ParameterError;
 
 impl Parameters {
     /// Makes the parameters of files that the vehicle does not know inert ones, and gives those that it knows and that
     /// are to be set. What it counts itself stays, whatever a file says.
     pub fn adopt<'a>(&mut self, files: &'a ParameterFile) -> Vec<(Parameter, &'a ParameterEntry)> {
-        self.inert = files.inert(self.personality, |name| self.named(name).is_some());
+        self.inert = files.inert(self.rules, |name| self.named(name).is_some());
         let known = files.entries().iter().filter_map(|entry| Some((self.named(&entry.name)?, entry)));
         known.filter(|(parameter, _)| !parameter.is_read_only()).collect()
     }
 
     /// Takes a value that was set by name before the start.
-    pub fn set_inert(&mut self, index: usize, value: f64) -> Result<(), ParameterRefused> {
+    pub fn set_inert(&mut self, index: usize, value: f64) -> Result<(), ParameterError> {
         self.inert.set(index, value)
     }
 }
 
-impl Vehicle {
-    /// Sets what the vehicle starts with: parameter files, values that were set by name, and what a state folder has kept.
-    pub(crate) fn start_parameters(&mut self) -> Result<(), SettingsError> {
-        let files = std::mem::take(&mut self.settings.parameter_files);
-        let known = self.parameters.adopt(&files);
-        let refused = in_any_order(known, |parameter, value| self.set_parameter(parameter, value));
-        refused.into_iter().next().map_or(Ok(()), |(entry, reason)| Err(SettingsError::of_entry(entry, &reason)))?;
-        for (name, value) in std::mem::take(&mut self.settings.default_parameters) {
-            self.start_parameter(&name, f64::from(value))
-                .map_err(|reason| SettingsError::Parameter(reason.to_string()))?;
-        }
-        self.parameters.make_defaults();
-        for entry in std::mem::take(&mut self.settings.kept_parameters).entries() {
-            let taken = self.start_parameter(&entry.name, entry.value);
-            taken.map_err(|reason| SettingsError::of_entry(entry, &reason))?;
-        }
-        Ok(())
-    }
-
-    fn start_parameter(&mut self, name: &str, value: f64) -> Result<(), ParameterRefused> {
-        match self.parameters.find(name) {
-            Some(Listed::Acting(parameter)) => self.set_parameter(parameter, value as f32),
-            Some(Listed::Inert(index)) => self.parameters.set_inert(index, value),
-            None => Err(ParameterRefused::Unknown(name.to_owned())),
-        }
-    }
-}
-
-impl SettingsError {
-    fn of_entry(entry: &ParameterEntry, refused: &ParameterRefused) -> Self {
-        let reason = refused.to_string();
-        match &entry.place {
-            Some(place) => Self::ParameterFile { place: place.clone(), reason },
-            None => Self::Parameter(reason),
-        }
-    }
-}
-
-/// Sets parameters, the ranges of some of which depend on others, in whatever order they are given. What is not taken in
-/// the end is given back, with the reason.
+/// Sets parameters, the ranges of some of which depend on others, in whatever order they are given. What is not taken
+/// in the end is given back, with the reason.
 pub(crate) fn in_any_order(
     mut left: Vec<(Parameter, &ParameterEntry)>,
-    mut set: impl FnMut(Parameter, f32) -> Result<(), ParameterRefused>,
-) -> Vec<(&ParameterEntry, ParameterRefused)> {
+    mut set: impl FnMut(Parameter, f32) -> Result<(), ParameterError>,
+) -> Vec<(&ParameterEntry, ParameterError)> {
     loop {
         let before = left.len();
         let mut refused = Vec::new();
@@ -83,7 +45,8 @@ pub(crate) fn in_any_order(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Personality, VehicleSettings};
+    use crate::parameters::Listed;
+    use crate::{Personality, Vehicle, VehicleSettings};
 
     fn files(values: &[(&str, f64)]) -> ParameterFile {
         values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
@@ -100,11 +63,15 @@ mod tests {
             vehicle(&[("THR_MIN", 5.0), ("WP_LOITER_RAD", 80.0), ("STAT_RUNTIME", 99.0)], Personality::ArduPlane);
         let bare = Parameters::new(&VehicleSettings::default());
         assert_eq!(vehicle.inert_parameters().collect::<Vec<_>>(), ["THR_MIN"]);
-        assert_eq!(vehicle.parameters.count(), bare.count() + 1);
-        assert_eq!(vehicle.parameters.at(bare.count()), Some(Listed::Inert(0)));
-        assert_eq!(vehicle.parameters.at(bare.count() + 1), None);
-        assert_eq!(vehicle.parameters.find("thr_min"), Some(Listed::Inert(0)), "ArduPilot does not look at the case");
-        assert_eq!(vehicle.parameters.get(Parameter::LoiterRadius), 80.0);
+        assert_eq!(vehicle.autopilot().parameters.count(), bare.count() + 1);
+        assert_eq!(vehicle.autopilot().parameters.at(bare.count()), Some(Listed::Inert(0)));
+        assert_eq!(vehicle.autopilot().parameters.at(bare.count() + 1), None);
+        assert_eq!(
+            vehicle.autopilot().parameters.find("thr_min"),
+            Some(Listed::Inert(0)),
+            "ArduPilot does not look at the case"
+        );
+        assert_eq!(vehicle.autopilot().parameters.get(Parameter::LoiterRadius), 80.0);
         assert_eq!(vehicle.set_parameters().count(), 0, "what a file says is not what a client has set");
     }
 
@@ -112,7 +79,7 @@ mod tests {
     fn ranges_that_depend_on_one_another_are_no_matter_of_order() {
         let taken = [("AIRSPEED_MIN", 12.0), ("AIRSPEED_CRUISE", 13.0), ("AIRSPEED_MAX", 14.0)];
         let vehicle = vehicle(&taken, Personality::ArduPlane);
-        assert_eq!(vehicle.parameters.get(Parameter::AirspeedMin), 12.0);
+        assert_eq!(vehicle.autopilot().parameters.get(Parameter::AirspeedMin), 12.0);
         let settings =
             VehicleSettings { parameter_files: files(&[("AIRSPEED_MAX", 16.0)]), ..VehicleSettings::default() };
         assert_eq!(Vehicle::new(settings).unwrap_err().to_string(), "AIRSPEED_MAX 16 is outside [10, 15]");
@@ -122,8 +89,8 @@ mod tests {
     fn vehicles_share_their_inert_parameters_until_one_is_set() {
         let settings = VehicleSettings { parameter_files: files(&[("THR_MIN", 5.0)]), ..VehicleSettings::default() };
         let [mut one, other] = [settings.clone(), settings].map(|settings| Vehicle::new(settings).unwrap());
-        one.parameters.write_inert(0, 7.5, 2).unwrap();
-        let value = |vehicle: &Vehicle| vehicle.parameters.on_wire(Listed::Inert(0), |_| 0.0).2;
+        one.autopilot_mut().parameters.write_inert(0, 7.5, 2).unwrap();
+        let value = |vehicle: &Vehicle| vehicle.autopilot().parameters.on_wire(Listed::Inert(0), |_| 0.0).2;
         assert_eq!((value(&one), value(&other)), (7.5, 5.0));
         assert_eq!(one.set_parameters().collect::<Vec<_>>(), [("THR_MIN", 7.5)]);
     }
@@ -142,11 +109,13 @@ mod tests {
     #[test]
     fn a_px4_has_whole_numbers_by_their_bytes_to_the_last_digit() {
         let mut vehicle = vehicle(&[("CAL_ACC0_ID", 16_777_217.0), ("FW_P_TC", 0.4)], Personality::Px4);
-        let bits = |vehicle: &Vehicle, index| vehicle.parameters.on_wire(Listed::Inert(index), |_| 0.0).2.to_bits();
+        let bits = |vehicle: &Vehicle, index| {
+            vehicle.autopilot().parameters.on_wire(Listed::Inert(index), |_| 0.0).2.to_bits()
+        };
         assert_eq!((bits(&vehicle, 0), bits(&vehicle, 1)), (16_777_217, 0.4_f32.to_bits()));
-        vehicle.parameters.write_inert(0, f32::from_bits(16_777_219), 6).unwrap();
+        vehicle.autopilot_mut().parameters.write_inert(0, f32::from_bits(16_777_219), 6).unwrap();
         assert_eq!(bits(&vehicle, 0), 16_777_219);
-        let refused = vehicle.parameters.write_inert(0, 3.0, 9).unwrap_err();
-        assert_eq!(refused, ParameterRefused::Type("CAL_ACC0_ID".into()));
+        let refused = vehicle.autopilot_mut().parameters.write_inert(0, 3.0, 9).unwrap_err();
+        assert_eq!(refused, ParameterError::Type("CAL_ACC0_ID".into()));
     }
 }

@@ -9,7 +9,7 @@
 //! A `#` begins a comment. The last value of a name counts.
 
 use super::inert::Inert;
-use crate::firmware::Personality;
+use crate::firmware::rules::Rules;
 use mavlink_bridge::PARAMETER_NAME_MAX;
 use mavlink_bridge::dialect::MavParamType::{
     self, MAV_PARAM_TYPE_INT8 as INT8, MAV_PARAM_TYPE_INT16 as INT16, MAV_PARAM_TYPE_INT32 as INT32,
@@ -104,27 +104,17 @@ pub(crate) struct ParameterEntry {
 }
 
 impl ParameterEntry {
-    /// The type of an inert parameter. ArduPilot's files state none; values are floats on ArduPilot's wire, whatever the
-    /// type. PX4 knows two, and writes real numbers with a point.
-    pub fn kind_for(&self, personality: Personality) -> MavParamType {
-        match (personality, self.kind) {
-            (Personality::Generic, _) | (Personality::ArduPlane, None) => REAL,
-            (Personality::ArduPlane, Some(kind)) => kind,
-            (Personality::Px4, Some(kind)) => {
-                if kind == REAL {
-                    REAL
-                } else {
-                    INT32
-                }
-            }
-            (Personality::Px4, None) => {
-                if self.is_whole {
-                    INT32
-                } else {
-                    REAL
-                }
-            }
+    /// The type of an inert parameter. ArduPilot's files state none; values are floats on ArduPilot's wire, whatever
+    /// the type. PX4 knows two, and writes real numbers with a point.
+    pub fn kind_for(&self, rules: &Rules) -> MavParamType {
+        if rules.tells_whole_numbers_as_floats {
+            return REAL;
         }
+        if !rules.bytewise_parameters {
+            return self.kind.unwrap_or(REAL);
+        }
+        let is_real = self.kind.map_or(!self.is_whole, |kind| kind == REAL);
+        if is_real { REAL } else { INT32 }
     }
 }
 
@@ -136,7 +126,7 @@ pub struct ParameterFile(Arc<Contents>);
 struct Contents {
     entries: Vec<ParameterEntry>,
     /// The inert parameters of the first vehicle that has asked, for all that pass for the same autopilot.
-    inert: OnceLock<(Personality, Inert)>,
+    inert: OnceLock<(&'static Rules, Inert)>,
 }
 
 /// Most files that include one another in a row, as in ArduPilot's tools.
@@ -179,10 +169,10 @@ impl ParameterFile {
     }
 
     /// Those that an autopilot does not know, inert; all its vehicles share one list.
-    pub(super) fn inert(&self, personality: Personality, is_known: impl Fn(&str) -> bool) -> Inert {
-        let inert = || Inert::new(self.entries().iter().filter(|entry| !is_known(&entry.name)), personality);
-        let (of, shared) = self.0.inert.get_or_init(|| (personality, inert()));
-        if *of == personality { shared.clone() } else { inert() }
+    pub(super) fn inert(&self, rules: &'static Rules, is_known: impl Fn(&str) -> bool) -> Inert {
+        let inert = || Inert::new(self.entries().iter().filter(|entry| !is_known(&entry.name)), rules);
+        let (of, shared) = self.0.inert.get_or_init(|| (rules, inert()));
+        if std::ptr::eq(*of, rules) { shared.clone() } else { inert() }
     }
 }
 
@@ -320,6 +310,7 @@ fn last_of_each(entries: Vec<ParameterEntry>) -> Vec<ParameterEntry> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::firmware::Personality;
 
     fn read(text: &str) -> Result<Vec<ParameterEntry>, ParameterFileError> {
         let mut entries = Vec::new();
@@ -377,18 +368,19 @@ mod tests {
 
     #[test]
     fn qgroundcontrols_columns_state_types() {
-        let text = "# Onboard parameters for Vehicle 1\n#\n1\t1\tBAT1_N_CELLS\t3\t6\n1\t1\tFW_P_TC\t0.400000005960464478\t9\n1\t100\tCAM_MODE\t1\t6\n";
+        let text = "# Onboard parameters for Vehicle 1\n#\n1\t1\tBAT1_N_CELLS\t3\t6\n\
+                    1\t1\tFW_P_TC\t0.400000005960464478\t9\n1\t100\tCAM_MODE\t1\t6\n";
         let entries = read(text).unwrap();
         assert_eq!(values(&entries), [("BAT1_N_CELLS", 3.0), ("FW_P_TC", 0.400_000_005_960_464_5)]);
-        assert_eq!([0, 1].map(|index| entries[index].kind_for(Personality::Px4)), [INT32, REAL]);
-        assert_eq!(entries[0].kind_for(Personality::ArduPlane), INT32);
+        assert_eq!([0, 1].map(|index| entries[index].kind_for(Personality::Px4.rules())), [INT32, REAL]);
+        assert_eq!(entries[0].kind_for(Personality::ArduPlane.rules()), INT32);
     }
 
     #[test]
     fn without_a_type_a_px4_reads_a_point_as_real() {
         let entries = read("A 3\nB 3.0\nC 1e2\n").unwrap();
-        assert_eq!([0, 1, 2].map(|index| entries[index].kind_for(Personality::Px4)), [INT32, REAL, REAL]);
-        assert_eq!(entries[0].kind_for(Personality::ArduPlane), REAL);
+        assert_eq!([0, 1, 2].map(|index| entries[index].kind_for(Personality::Px4.rules())), [INT32, REAL, REAL]);
+        assert_eq!(entries[0].kind_for(Personality::ArduPlane.rules()), REAL);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! Parameters that a vehicle keeps for its clients and does not use: those of a parameter file that this simulation has
 //! nothing for, such as `THR_MIN` or `RC1_MIN`. Scripts list, read and set them, and nothing else depends on them.
 
-use super::ParameterRefused;
 use super::file::ParameterEntry;
-use crate::firmware::Personality;
+use crate::error::ParameterError;
+use crate::firmware::rules::Rules;
 use mavlink_bridge::dialect::MavParamType;
 use std::sync::Arc;
 
@@ -27,8 +27,8 @@ pub(crate) struct InertParameter {
 
 impl Inert {
     /// Those of files, which name each only once.
-    pub fn new<'a>(entries: impl Iterator<Item = &'a ParameterEntry>, personality: Personality) -> Self {
-        Self(Arc::new(entries.map(|entry| InertParameter::new(entry, personality)).collect()))
+    pub fn new<'a>(entries: impl Iterator<Item = &'a ParameterEntry>, rules: &Rules) -> Self {
+        Self(Arc::new(entries.map(|entry| InertParameter::new(entry, rules)).collect()))
     }
 
     pub fn len(&self) -> usize {
@@ -49,13 +49,13 @@ impl Inert {
     }
 
     /// Takes a new value, from a client or from what clients have set before.
-    pub fn set(&mut self, index: usize, value: f64) -> Result<(), ParameterRefused> {
+    pub fn set(&mut self, index: usize, value: f64) -> Result<(), ParameterError> {
         let Some(parameter) = self.get(index) else { return Ok(()) };
         if parameter.is_read_only {
-            return Err(ParameterRefused::ReadOnly(parameter.name.clone().into()));
+            return Err(ParameterError::ReadOnly(parameter.name.clone().into()));
         }
         if !value.is_finite() {
-            return Err(ParameterRefused::NotFinite(parameter.name.clone().into()));
+            return Err(ParameterError::NotFinite(parameter.name.clone().into()));
         }
         self.change(index, value);
         Ok(())
@@ -77,8 +77,8 @@ impl Inert {
 }
 
 impl InertParameter {
-    fn new(entry: &ParameterEntry, personality: Personality) -> Self {
-        let kind = entry.kind_for(personality);
+    fn new(entry: &ParameterEntry, rules: &Rules) -> Self {
+        let kind = entry.kind_for(rules);
         let mut parameter = Self {
             name: entry.name.clone(),
             kind,

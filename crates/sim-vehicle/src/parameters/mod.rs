@@ -1,41 +1,20 @@
 //! The vehicle's parameters: names, types, ranges and values, in ArduPlane 4.7's vocabulary.
 //!
-//! Every parameter of the table acts. A parameter file may bring others, which are inert: clients list, read and set them,
-//! and they change nothing.
+//! Every parameter of the table acts. A parameter file may bring others, which are inert: clients list, read and set
+//! them, and they change nothing.
 
-mod check;
-mod defaults;
+pub(crate) mod check;
+pub(crate) mod defaults;
 pub(crate) mod file;
 mod inert;
-mod table;
+pub(crate) mod table;
 
-pub use check::{ParameterFault, check_parameters};
-pub(crate) use defaults::in_any_order;
-pub(crate) use table::{Effect, Parameter};
-
-use crate::autopilot::flight::Tuning;
-use crate::firmware::Personality;
+use crate::error::ParameterError;
+use crate::firmware::rules::Rules;
 use crate::settings::VehicleSettings;
 use inert::Inert;
 use mavlink_bridge::dialect::MavParamType;
-use std::borrow::Cow;
-
-/// Why a value is not taken.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum ParameterRefused {
-    #[error("No parameter {0}")]
-    Unknown(String),
-    #[error("Param write denied ({0})")]
-    ReadOnly(Cow<'static, str>),
-    #[error("{0} is of another type")]
-    Type(Cow<'static, str>),
-    #[error("MAV_SYSID {0} is another vehicle's on this port")]
-    SystemIdTaken(u8),
-    #[error("{0} is not a finite number")]
-    NotFinite(Cow<'static, str>),
-    #[error("{name} {value} is outside [{least}, {most}]")]
-    Range { name: &'static str, value: f32, least: f32, most: f32 },
-}
+use table::{Bounds, ModelBounds, Parameter, Start};
 
 /// One parameter of a vehicle's list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +28,8 @@ pub(crate) enum Listed {
 /// The values of one vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Parameters {
-    personality: Personality,
-    /// Those that the personality has.
+    rules: &'static Rules,
+    /// Those that the autopilot has.
     list: Vec<Parameter>,
     values: [f32; Parameter::COUNT],
     /// Whether somebody has set it: then it is worth keeping.
@@ -59,29 +38,48 @@ pub(crate) struct Parameters {
     is_default: [bool; Parameter::COUNT],
     /// Behind those of the list.
     inert: Inert,
-    speed_limits_mps: (f32, f32),
-    roll_limit_deg: f32,
-    rate_max_hz: f32,
+    model: ModelBounds,
 }
 
 impl Parameters {
     /// What the settings amount to.
     pub fn new(settings: &VehicleSettings) -> Self {
+        Self::with_rules(settings.personality.rules(), settings)
+    }
+
+    /// The same of an autopilot of its own rules.
+    pub fn with_rules(rules: &'static Rules, settings: &VehicleSettings) -> Self {
         let limits = settings.dynamics.limits;
+        let model = ModelBounds {
+            speed_min_mps: limits.speed_min_mps as f32,
+            speed_max_mps: limits.speed_max_mps as f32,
+            // The bank of the flight model's tightest turn.
+            roll_limit_deg: libm::atan(limits.lateral_overload_max).to_degrees() as f32,
+            rate_max_hz: settings.fastest_hz().floor() as f32,
+        };
+        let start = Start {
+            system_id: settings.system_id,
+            rates: &settings.rates,
+            cruise_mps: settings.start.speed_mps,
+            loiter_radius_m: settings.loiter_radius_m,
+            setpoint_timeout_s: settings.setpoint_timeout_s,
+            model: &model,
+        };
         let mut values = [0.0; Parameter::COUNT];
         for (value, parameter) in values.iter_mut().zip(Parameter::ALL) {
-            *value = (parameter.row().initial)(settings);
+            *value = (parameter.row().initial)(&start);
+        }
+        for (parameter, value) in rules.initial_parameters {
+            values[*parameter as usize] = *value;
         }
         Self {
-            personality: settings.personality,
-            list: settings.personality.parameters(),
+            rules,
+            list: Parameter::ALL.iter().copied().filter(|parameter| (rules.has_parameter)(*parameter)).collect(),
             values,
             is_set: [false; Parameter::COUNT],
             is_default: [false; Parameter::COUNT],
             inert: Inert::default(),
-            speed_limits_mps: (limits.speed_min_mps as f32, limits.speed_max_mps as f32),
-            roll_limit_deg: Self::roll_limit_deg(settings),
-            rate_max_hz: settings.fastest_hz().floor() as f32,
+            model,
         }
     }
 
@@ -111,10 +109,7 @@ impl Parameters {
 
     /// ArduPilot does not look at the case.
     fn is_same_name(&self, own: &str, name: &str) -> bool {
-        match self.personality {
-            Personality::Px4 => own == name,
-            Personality::ArduPlane | Personality::Generic => own.eq_ignore_ascii_case(name),
-        }
+        if self.rules.parameter_names_have_case { own == name } else { own.eq_ignore_ascii_case(name) }
     }
 
     /// Names of the parameters that change nothing.
@@ -140,10 +135,10 @@ impl Parameters {
     }
 
     /// Takes a value that a client writes to an inert parameter, with the type that it gives.
-    pub fn write_inert(&mut self, index: usize, value: f32, kind: u8) -> Result<(), ParameterRefused> {
+    pub fn write_inert(&mut self, index: usize, value: f32, kind: u8) -> Result<(), ParameterError> {
         let Some(own) = self.inert.get(index) else { return Ok(()) };
-        if self.personality == Personality::Px4 && kind != own.kind() as u8 {
-            return Err(ParameterRefused::Type(own.name().to_owned().into()));
+        if self.rules.bytewise_parameters && kind != own.kind() as u8 {
+            return Err(ParameterError::Type(own.name().to_owned().into()));
         }
         let is_bytewise = self.is_bytewise_kind(own.kind());
         let value = if is_bytewise { f64::from(value.to_bits() as i32) } else { f64::from(value) };
@@ -152,12 +147,12 @@ impl Parameters {
 
     /// What the vehicle calls a parameter.
     pub fn name(&self, parameter: Parameter) -> &'static str {
-        self.personality.parameter(parameter).0
+        (self.rules.parameter)(parameter).0
     }
 
     /// Of which type the vehicle has a parameter.
     pub fn kind(&self, parameter: Parameter) -> MavParamType {
-        self.personality.parameter(parameter).1
+        (self.rules.parameter)(parameter).1
     }
 
     /// A value as it stands on the wire: as a number, or in a PX4 an integer by its bytes
@@ -167,9 +162,9 @@ impl Parameters {
     }
 
     /// The value that a writer means who gives a type with it, which ArduPilot does not look at.
-    pub fn read_wire(&self, parameter: Parameter, value: f32, kind: u8) -> Result<f32, ParameterRefused> {
-        if self.personality == Personality::Px4 && kind != self.kind(parameter) as u8 {
-            return Err(ParameterRefused::Type(self.name(parameter).into()));
+    pub fn read_wire(&self, parameter: Parameter, value: f32, kind: u8) -> Result<f32, ParameterError> {
+        if self.rules.bytewise_parameters && kind != self.kind(parameter) as u8 {
+            return Err(ParameterError::Type(self.name(parameter).into()));
         }
         Ok(if self.is_bytewise(parameter) { value.to_bits() as i32 as f32 } else { value })
     }
@@ -179,7 +174,7 @@ impl Parameters {
     }
 
     fn is_bytewise_kind(&self, kind: MavParamType) -> bool {
-        self.personality == Personality::Px4 && kind != MavParamType::MAV_PARAM_TYPE_REAL32
+        self.rules.bytewise_parameters && kind != MavParamType::MAV_PARAM_TYPE_REAL32
     }
 
     pub fn get(&self, parameter: Parameter) -> f32 {
@@ -187,20 +182,20 @@ impl Parameters {
     }
 
     /// Takes a new value, cut off after the point if the parameter is of a whole type.
-    pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
+    pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterError> {
         let name = self.name(parameter);
         if parameter.is_read_only() {
-            return Err(ParameterRefused::ReadOnly(name.into()));
+            return Err(ParameterError::ReadOnly(name.into()));
         }
         if !value.is_finite() {
-            return Err(ParameterRefused::NotFinite(name.into()));
+            return Err(ParameterError::NotFinite(name.into()));
         }
         // A generic autopilot tells whole numbers as floats, and they are whole all the same.
-        let kind = if self.personality == Personality::Generic { parameter.kind() } else { self.kind(parameter) };
+        let kind = if self.rules.tells_whole_numbers_as_floats { parameter.kind() } else { self.kind(parameter) };
         let value = if kind == MavParamType::MAV_PARAM_TYPE_REAL32 { value } else { value.trunc() };
         let (least, most) = self.range(parameter);
         if !(least..=most).contains(&value) {
-            return Err(ParameterRefused::Range { name, value, least, most });
+            return Err(ParameterError::Range { name, value, least, most });
         }
         self.values[parameter as usize] = value;
         self.is_set[parameter as usize] = true;
@@ -222,40 +217,20 @@ impl Parameters {
         kept.map(|parameter| (self.name(parameter), f64::from(self.get(parameter)))).chain(inert)
     }
 
-    /// What the parameters make of the flight; what nobody has set stays as the settings have it, to the last bit.
-    pub fn tuning(&self, settings: &VehicleSettings) -> Tuning {
-        let set = |parameter: Parameter| self.is_set[parameter as usize].then(|| f64::from(self.get(parameter)));
-        let loiter_radius_m = set(Parameter::LoiterRadius).unwrap_or(settings.loiter_radius_m);
-        let rtl_altitude_m = set(Parameter::RtlAltitude).filter(|altitude_m| *altitude_m >= 0.0);
-        Tuning {
-            loiter_radius_m,
-            rtl_radius_m: set(Parameter::RtlRadius).filter(|radius_m| *radius_m != 0.0).unwrap_or(loiter_radius_m),
-            rtl_altitude_m,
-            takeoff_altitude_m: f64::from(self.get(Parameter::TakeoffAltitude)),
-            cruise_speed_mps: set(Parameter::AirspeedCruise),
-            lateral_overload_max: set(Parameter::RollLimit)
-                .map_or(f64::INFINITY, |limit_deg| libm::tan(limit_deg.to_radians())),
-        }
-    }
-
-    /// The bank of the flight model's tightest turn, degrees.
-    fn roll_limit_deg(settings: &VehicleSettings) -> f32 {
-        libm::atan(settings.dynamics.limits.lateral_overload_max).to_degrees() as f32
-    }
-
-    /// The rates that a message can have, Hz.
-    fn rates_hz(&self) -> (f32, f32) {
-        (0.0, self.rate_max_hz)
+    /// The value of a parameter that has been set; none if it is as at the start.
+    pub fn when_set(&self, parameter: Parameter) -> Option<f64> {
+        self.is_set[parameter as usize].then(|| f64::from(self.get(parameter)))
     }
 
     fn range(&self, parameter: Parameter) -> (f32, f32) {
-        (parameter.row().range)(self)
+        (parameter.row().range)(&Bounds { values: &self.values, model: &self.model })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::firmware::Personality;
 
     fn parameters() -> Parameters {
         Parameters::new(&VehicleSettings::default())
@@ -319,7 +294,7 @@ mod tests {
         let id = parameters.named("MAV_SYS_ID").unwrap();
         assert_eq!(parameters.to_wire(id, 7.0).to_bits(), 7);
         assert_eq!(parameters.read_wire(id, f32::from_bits(7), 6), Ok(7.0));
-        assert_eq!(parameters.read_wire(id, 7.0, 9), Err(ParameterRefused::Type("MAV_SYS_ID".into())));
+        assert_eq!(parameters.read_wire(id, 7.0, 9), Err(ParameterError::Type("MAV_SYS_ID".into())));
         let radius = parameters.named("NAV_LOITER_RAD").unwrap();
         assert_eq!((parameters.to_wire(radius, -60.5), parameters.read_wire(radius, -60.5, 9)), (-60.5, Ok(-60.5)));
         for other in ["MAV_SYSID", "WP_LOITER_RAD", "FS_GCS_ENABL"] {
@@ -334,19 +309,8 @@ mod tests {
         parameters.set(Parameter::LoiterRadius, 80.0).unwrap();
         parameters.set(Parameter::RtlRadius, 70.0).unwrap();
         parameters.make_defaults();
-        assert_eq!(parameters.tuning(&VehicleSettings::default()).loiter_radius_m, 80.0);
+        assert_eq!(parameters.when_set(Parameter::LoiterRadius), Some(80.0));
         parameters.set(Parameter::RtlRadius, 75.0).unwrap();
         assert_eq!(parameters.kept().collect::<Vec<_>>(), [("RTL_RADIUS", 75.0)]);
-    }
-
-    #[test]
-    fn nothing_set_tunes_nothing() {
-        let settings = VehicleSettings { loiter_radius_m: 60.5, ..VehicleSettings::default() };
-        let tuning = Parameters::new(&settings).tuning(&settings);
-        assert_eq!((tuning.loiter_radius_m, tuning.rtl_radius_m), (60.5, 60.5));
-        assert_eq!(
-            (tuning.rtl_altitude_m, tuning.cruise_speed_mps, tuning.lateral_overload_max),
-            (None, None, f64::INFINITY)
-        );
     }
 }

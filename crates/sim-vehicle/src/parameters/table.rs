@@ -1,10 +1,6 @@
 //! The list of parameters: one row for each, in the order of their indices.
 
-use super::Parameters;
-use crate::autopilot::flight::TAKEOFF_ALTITUDE_M;
-use crate::firmware::Personality;
-use crate::settings::VehicleSettings;
-use crate::telemetry::streams::{Stream, groups};
+use crate::telemetry::rates::TelemetryRates;
 use mavlink_bridge::dialect::MavParamType;
 use mavlink_bridge::dialect::MavParamType::{
     MAV_PARAM_TYPE_INT8 as INT8, MAV_PARAM_TYPE_INT16 as INT16, MAV_PARAM_TYPE_INT32 as INT32,
@@ -18,10 +14,57 @@ pub(crate) struct Row {
     /// The type that ArduPlane gives it; the speeds are real here, because a scenario's limits need not be whole.
     pub kind: MavParamType,
     /// What it is before anybody sets it.
-    pub initial: fn(&VehicleSettings) -> f32,
+    pub initial: fn(&Start<'_>) -> f32,
     /// Least and greatest value.
-    pub range: fn(&Parameters) -> (f32, f32),
+    pub range: fn(&Bounds<'_>) -> (f32, f32),
     pub effect: Effect,
+}
+
+/// What the first values come from.
+pub(crate) struct Start<'a> {
+    pub system_id: u8,
+    pub rates: &'a TelemetryRates,
+    pub cruise_mps: f64,
+    pub loiter_radius_m: f64,
+    pub setpoint_timeout_s: f64,
+    pub model: &'a ModelBounds,
+}
+
+/// What the flight model and the integration step bound.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ModelBounds {
+    pub speed_min_mps: f32,
+    pub speed_max_mps: f32,
+    pub roll_limit_deg: f32,
+    pub rate_max_hz: f32,
+}
+
+/// What a range may depend on: the flight model, and the values of the other parameters.
+pub(crate) struct Bounds<'a> {
+    pub values: &'a [f32; Parameter::COUNT],
+    pub model: &'a ModelBounds,
+}
+
+impl Bounds<'_> {
+    fn get(&self, parameter: Parameter) -> f32 {
+        self.values[parameter as usize]
+    }
+
+    /// The rates that a message can have, Hz.
+    fn rates_hz(&self) -> (f32, f32) {
+        (0.0, self.model.rate_max_hz)
+    }
+}
+
+/// ArduPlane's groups of messages that have one rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RateGroup {
+    RawSensors,
+    ExtendedStatus,
+    Position,
+    Extra1,
+    Extra2,
+    Extra3,
 }
 
 /// What a new value changes at once.
@@ -34,7 +77,7 @@ pub(crate) enum Effect {
     /// The way the vehicle flies.
     Tuning,
     /// How often these messages come.
-    Rates(&'static [Stream]),
+    Rates(RateGroup),
     /// Who the vehicle is.
     SystemId,
     /// Percentage of frames that are lost on their way out.
@@ -70,28 +113,28 @@ parameters! {
     SystemId: "MAV_SYSID", INT16, |s| f32::from(s.system_id), |_| (1.0, 250.0), Effect::SystemId;
     GroundSystemId: "MAV_GCS_SYSID", INT16, |_| 255.0, |_| (1.0, 255.0), Effect::LookedUp;
 
-    RateRawSensors: "MAV1_RAW_SENS", INT16, |s| s.rates.raw_sensors_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(groups::RAW_SENSORS);
-    RateExtendedStatus: "MAV1_EXT_STAT", INT16, |s| s.rates.sys_status_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(groups::EXTENDED_STATUS);
+    RateRawSensors: "MAV1_RAW_SENS", INT16, |s| s.rates.raw_sensors_hz.round() as f32, |p| p.rates_hz(),
+        Effect::Rates(RateGroup::RawSensors);
+    RateExtendedStatus: "MAV1_EXT_STAT", INT16, |s| s.rates.sys_status_hz.round() as f32, |p| p.rates_hz(),
+        Effect::Rates(RateGroup::ExtendedStatus);
     // Two messages are behind it, which the settings can tell apart.
     RatePosition: "MAV1_POSITION", INT16,
-        |s| s.rates.local_position_ned_hz.max(s.rates.global_position_int_hz).round() as f32, Parameters::rates_hz,
-        Effect::Rates(groups::POSITION);
-    RateExtra1: "MAV1_EXTRA1", INT16, |s| s.rates.attitude_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(groups::EXTRA1);
-    RateExtra2: "MAV1_EXTRA2", INT16, |s| s.rates.vfr_hud_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(groups::EXTRA2);
-    RateExtra3: "MAV1_EXTRA3", INT16, |s| s.rates.system_time_hz.round() as f32, Parameters::rates_hz,
-        Effect::Rates(groups::EXTRA3);
+        |s| s.rates.local_position_ned_hz.max(s.rates.global_position_int_hz).round() as f32, |p| p.rates_hz(),
+        Effect::Rates(RateGroup::Position);
+    RateExtra1: "MAV1_EXTRA1", INT16, |s| s.rates.attitude_hz.round() as f32, |p| p.rates_hz(),
+        Effect::Rates(RateGroup::Extra1);
+    RateExtra2: "MAV1_EXTRA2", INT16, |s| s.rates.vfr_hud_hz.round() as f32, |p| p.rates_hz(),
+        Effect::Rates(RateGroup::Extra2);
+    RateExtra3: "MAV1_EXTRA3", INT16, |s| s.rates.system_time_hz.round() as f32, |p| p.rates_hz(),
+        Effect::Rates(RateGroup::Extra3);
 
-    AirspeedCruise: "AIRSPEED_CRUISE", REAL, |s| s.start.speed_mps as f32,
+    AirspeedCruise: "AIRSPEED_CRUISE", REAL, |s| s.cruise_mps as f32,
         |p| (p.get(Parameter::AirspeedMin), p.get(Parameter::AirspeedMax)), Effect::Tuning;
-    AirspeedMin: "AIRSPEED_MIN", REAL, |s| s.dynamics.limits.speed_min_mps as f32,
-        |p| (p.speed_limits_mps.0, p.get(Parameter::AirspeedCruise)), Effect::LookedUp;
-    AirspeedMax: "AIRSPEED_MAX", REAL, |s| s.dynamics.limits.speed_max_mps as f32,
-        |p| (p.get(Parameter::AirspeedCruise), p.speed_limits_mps.1), Effect::LookedUp;
-    RollLimit: "ROLL_LIMIT_DEG", REAL, Parameters::roll_limit_deg, |p| (1.0, p.roll_limit_deg), Effect::Tuning;
+    AirspeedMin: "AIRSPEED_MIN", REAL, |s| s.model.speed_min_mps,
+        |p| (p.model.speed_min_mps, p.get(Parameter::AirspeedCruise)), Effect::LookedUp;
+    AirspeedMax: "AIRSPEED_MAX", REAL, |s| s.model.speed_max_mps,
+        |p| (p.get(Parameter::AirspeedCruise), p.model.speed_max_mps), Effect::LookedUp;
+    RollLimit: "ROLL_LIMIT_DEG", REAL, |s| s.model.roll_limit_deg, |p| (1.0, p.model.roll_limit_deg), Effect::Tuning;
 
     LoiterRadius: "WP_LOITER_RAD", INT16, |s| s.loiter_radius_m.round().min(f64::from(RADIUS_MAX_M)) as f32,
         |_| (-RADIUS_MAX_M, RADIUS_MAX_M), Effect::Tuning;
@@ -102,7 +145,7 @@ parameters! {
     RtlAltitude: "RTL_ALTITUDE", REAL, |_| -1.0, |_| (-1.0, 10_000.0), Effect::Tuning;
     TakeoffAltitude: "TKOFF_ALT", INT16, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
     RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
-    DisarmDelay: "LAND_DISARMDELAY", INT8, |s| if s.personality == Personality::Px4 { 2.0 } else { 20.0 }, |_| (0.0, 127.0), Effect::LookedUp;
+    DisarmDelay: "LAND_DISARMDELAY", INT8, |_| 20.0, |_| (0.0, 127.0), Effect::LookedUp;
 
     ArmingCheck: "ARMING_CHECK", INT32, |_| 1.0, |_| (0.0, 8_388_607.0), Effect::LookedUp;
 
@@ -153,10 +196,9 @@ parameters! {
     AccelerometerBiasZ: "SIM_ACC1_BIAS_Z", REAL, |_| 0.0, |_| (-20.0, 20.0), Effect::LookedUp;
     GyroscopeNoise: "SIM_GYR1_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
     CompassNoise: "SIM_MAG_RND", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
-    // A PX4's fence counts as soon as it is uploaded.
-    FenceEnable: "FENCE_ENABLE", INT8, |s| f32::from(s.personality == Personality::Px4), |_| (0.0, 1.0), Effect::Fence;
+    FenceEnable: "FENCE_ENABLE", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::Fence;
     FenceType: "FENCE_TYPE", INT8, |_| 4.0, |_| (0.0, 15.0), Effect::Fence;
-    FenceAction: "FENCE_ACTION", INT8, |s| if s.personality == Personality::Px4 { 2.0 } else { 1.0 }, |_| (0.0, 8.0), Effect::LookedUp;
+    FenceAction: "FENCE_ACTION", INT8, |_| 1.0, |_| (0.0, 8.0), Effect::LookedUp;
     FenceAltitudeMax: "FENCE_ALT_MAX", REAL, |_| 100.0, |_| (0.0, 10_000.0), Effect::LookedUp;
     FenceRadius: "FENCE_RADIUS", REAL, |_| 300.0, |_| (0.0, 1e6), Effect::LookedUp;
     FenceMargin: "FENCE_MARGIN", REAL, |_| 2.0, |_| (0.0, 1000.0), Effect::LookedUp;
@@ -185,6 +227,8 @@ parameters! {
     FailureInjection: "SYS_FAILURE_EN", INT32, |_| 1.0, |_| (0.0, 1.0), Effect::LookedUp;
 }
 
+/// ArduPlane's default of TKOFF_ALT, m.
+pub(crate) const TAKEOFF_ALTITUDE_M: f64 = 50.0;
 /// Radii are whole metres of 16 bits.
 const RADIUS_MAX_M: f32 = i16::MAX as f32;
 

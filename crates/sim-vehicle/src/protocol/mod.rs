@@ -5,162 +5,206 @@
 
 pub(crate) mod command;
 mod data_streams;
+mod ftp;
 pub(crate) mod mission;
 pub(crate) mod parameter;
 
-use crate::firmware::Personality;
-use crate::protocol::command::{Command, Refusal};
+use crate::autopilot::pilot::ManualControl;
+use crate::error::{CommandError, CommandResult, Severity};
+use crate::firmware::answers;
+use crate::firmware::rules::CommandSet;
+use crate::lockstep::Lockstep;
+use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
-use crate::vehicle::Vehicle;
+use command::preflight;
+use command::request::Command;
 use mavlink_bridge::dialect::{
-    MavModeFlag, MavResult, MavSeverity, Message, PING_DATA, SET_MODE_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
-    TIMESYNC_DATA,
+    MavCmd, MavModeFlag, MavResult, MavType, Message, PING_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_MODE_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
 };
 use mavlink_bridge::{Incoming, ItemKind, Request, Target, setpoint_from_local_ned};
-use std::time::Duration;
+use mission::MissionService;
+use parameter::ParameterService;
 
-impl Vehicle {
+/// The services of one vehicle, with what each of them remembers.
+#[derive(Debug, Default)]
+pub(crate) struct Services {
+    pub parameters: ParameterService,
+    pub missions: MissionService,
+}
+
+impl Services {
     /// Does what is asked over a link, of this vehicle.
-    pub(crate) fn serve(&mut self, link: usize, incoming: &Incoming) {
+    pub fn serve(
+        &mut self,
+        component: &mut Component,
+        lockstep: Option<&mut Lockstep>,
+        link: usize,
+        incoming: &Incoming,
+    ) {
         let sender = Target { system_id: incoming.header.system_id, component_id: incoming.header.component_id };
         match &incoming.request {
-            Request::Parameter(request) => self.serve_parameter(link, sender, request),
+            Request::Parameter(request) => self.parameters.serve(component, link, sender, request),
             Request::Plan { mission_type, message } => {
                 if let Some(kind) = message.item_kind() {
-                    self.links.note_old_items(link, kind == ItemKind::Float);
+                    component.links().note_old_items(link, kind == ItemKind::Float);
                 }
-                self.serve_plan(link, sender, *mission_type, *message);
+                self.missions.serve(component, link, sender, *mission_type, *message);
             }
             Request::Command(command) => {
                 let outcome = match Command::read(command) {
-                    Some(known) => self.execute(&known, link),
-                    None => self.execute_by_number(command),
+                    Some(known) => self.execute(component, &known, link),
+                    None => command::execute_by_number(&mut component.autopilot, command),
                 };
-                self.acknowledge(link, command.number, sender, outcome);
+                acknowledge(component, link, command.number, sender, outcome);
             }
-            Request::Message(message) => self.serve_message(link, sender, message),
+            Request::Message(Message::SET_MODE(data)) => self.set_mode(component, link, sender, data),
+            Request::Message(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => take_setpoint(component, lockstep, data),
+            Request::Message(message) => serve_message(component, link, sender, message),
         }
     }
 
-    fn serve_message(&mut self, link: usize, sender: Target, message: &Message) {
-        match message {
-            Message::HEARTBEAT(data) => {
-                self.hear_heartbeat(sender.system_id);
-                self.px4_hear_heartbeat(data.mavtype);
-            }
-            Message::SET_MODE(data) => self.legacy_set_mode(link, sender, data),
-            Message::SET_POSITION_TARGET_LOCAL_NED(data) => self.take_setpoint(data),
-            Message::SET_POSITION_TARGET_GLOBAL_INT(data) => self.take_global_target(data),
-            Message::SET_ATTITUDE_TARGET(_) if self.settings.personality == Personality::Px4 => {
-                self.px4_take_attitude();
-            }
-            Message::RC_CHANNELS_OVERRIDE(data) => self.override_channels(sender.system_id, data),
-            Message::MANUAL_CONTROL(data) => self.control_manually(sender.system_id, data),
-            Message::TIMESYNC(data) => self.answer_timesync(link, sender, data),
-            Message::PING(data) => self.answer_ping(link, sender, data),
-            // A PX4 passes it over.
-            Message::REQUEST_DATA_STREAM(data) if self.settings.personality != Personality::Px4 => {
-                self.set_data_stream(link, data);
-            }
-            Message::FILE_TRANSFER_PROTOCOL(data) => self.refuse_file_transfer(link, sender, data),
-            Message::LOG_REQUEST_LIST(_) => self.answer_log_request(link),
-            // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.
-            Message::SET_GPS_GLOBAL_ORIGIN(_) if self.settings.personality != Personality::ArduPlane => {
-                self.send_stream(link, Stream::GpsGlobalOrigin);
-            }
-            _ => {}
+    /// Obeys a command. What the services remember a reboot forgets, too.
+    pub(in crate::protocol) fn execute(
+        &mut self,
+        component: &mut Component,
+        command: &Command,
+        link: usize,
+    ) -> Result<(), CommandError> {
+        if command.command != MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN {
+            return command::execute(component, command, link);
         }
-    }
-
-    fn take_setpoint(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
-        if self.lockstep.as_mut().is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, self.time)) {
-            self.counters.setpoints_out_of_step += 1;
-            return;
+        let autopilot = &component.autopilot;
+        if answers::check_reboot(autopilot.rules(), autopilot.flight.is_armed(), command)? {
+            self.parameters.forget_listings();
+            self.missions.forget_uploads();
+            component.autopilot.reboot();
+            let time = component.autopilot.time();
+            component.links().restart(time);
+            (0..component.peers().len()).for_each(|link| component.announce(link));
+            preflight::send_banner(&mut component.autopilot);
         }
-        if self.take_local_target(data) {
-            return;
-        }
-        let result = self.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?));
-        match result {
-            Ok(setpoint) => {
-                self.counters.setpoints_accepted += 1;
-                let full = setpoint.over(&self.flight.state().hold());
-                if let Some(velocity) = setpoint.velocity {
-                    self.flight.set_ground_speed(full.speed_mps);
-                    // A velocity of zero has no direction: the course stays.
-                    if velocity.norm_squared() > 0.0 {
-                        self.flight.set_course(full.course_rad, f64::INFINITY);
-                    }
-                }
-                if setpoint.altitude.is_some() {
-                    self.flight.set_altitude(full.altitude_m, f64::INFINITY);
-                }
-                self.restart_setpoint_timeout();
-            }
-            Err(refused) => {
-                self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {refused}"));
-            }
-        }
-    }
-
-    /// Counts a setpoint that is not followed, and says why: setpoints come in streams, one word in five seconds is enough.
-    pub(crate) fn refuse_setpoint(&mut self, severity: MavSeverity, text: &str) {
-        self.counters.setpoints_refused += 1;
-        if self.time >= self.quiet_until {
-            self.quiet_until = self.time + Duration::from_secs(5);
-            self.say(severity, text);
-        }
-    }
-
-    fn acknowledge(&mut self, link: usize, number: u16, sender: Target, outcome: Result<(), Refusal>) {
-        let result = self.conclude(outcome);
-        self.links.acknowledge(link, number, result, sender);
-    }
-
-    /// Counts a command, says aloud why it is refused, and gives its result.
-    fn conclude(&mut self, outcome: Result<(), Refusal>) -> MavResult {
-        match outcome {
-            Ok(()) => {
-                self.counters.commands_accepted += 1;
-                MavResult::MAV_RESULT_ACCEPTED
-            }
-            Err(refusal) => {
-                self.counters.commands_refused += 1;
-                if let Some(reason) = &refusal.reason {
-                    self.say(refusal.severity, reason);
-                }
-                refusal.result
-            }
-        }
+        Ok(())
     }
 
     /// SET_MODE, DO_SET_MODE's forerunner. ArduPlane does not acknowledge it; the others do as if it were that command.
-    fn legacy_set_mode(&mut self, link: usize, sender: Target, data: &SET_MODE_DATA) {
+    fn set_mode(&mut self, component: &mut Component, link: usize, sender: Target, data: &SET_MODE_DATA) {
+        let rules = component.autopilot.rules();
         let custom = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
-        let command = Command::set_mode(self.settings.personality, custom, data.custom_mode);
-        let outcome = self.execute(&command, link);
-        if self.settings.personality == Personality::ArduPlane {
-            self.conclude(outcome);
+        let command = Command::set_mode(rules.custom_mode_has_sub_mode, custom, data.custom_mode);
+        let outcome = self.execute(component, &command, link);
+        if rules.acknowledges_set_mode {
+            acknowledge(component, link, command.command as u32 as u16, sender, outcome);
         } else {
-            self.acknowledge(link, command.command as u32 as u16, sender, outcome);
+            conclude(component, outcome);
         }
     }
+}
 
-    fn answer_timesync(&mut self, link: usize, sender: Target, data: &TIMESYNC_DATA) {
-        // A set tc1 is itself an answer.
-        if data.tc1 == 0 {
-            let tc1 = i64::try_from(self.time.as_nanos()).unwrap_or(i64::MAX);
-            let Target { system_id: target_system, component_id: target_component } = sender;
-            self.links
-                .send(link, &Message::TIMESYNC(TIMESYNC_DATA { tc1, ts1: data.ts1, target_system, target_component }));
+fn serve_message(component: &mut Component, link: usize, sender: Target, message: &Message) {
+    let autopilot = &mut component.autopilot;
+    match message {
+        Message::HEARTBEAT(data) => {
+            autopilot.hear_heartbeat(sender.system_id, data.mavtype == MavType::MAV_TYPE_GCS);
+        }
+        Message::SET_POSITION_TARGET_GLOBAL_INT(data) => answers::take_global_target(autopilot, data),
+        Message::SET_ATTITUDE_TARGET(_) => answers::take_attitude(autopilot),
+        Message::RC_CHANNELS_OVERRIDE(data) => autopilot.override_channels(sender.system_id, channels_of(data)),
+        Message::MANUAL_CONTROL(data) => {
+            let sticks = ManualControl { x: data.x, y: data.y, z: data.z, r: data.r };
+            autopilot.control_manually(sender.system_id, sticks);
+        }
+        Message::TIMESYNC(data) => answer_timesync(component, link, sender, data),
+        Message::PING(data) => answer_ping(component, link, sender, data),
+        // A PX4 passes it over.
+        Message::REQUEST_DATA_STREAM(data) if autopilot.rules().commands != CommandSet::Px4 => {
+            data_streams::set_data_stream(component, link, data)
+        }
+        Message::FILE_TRANSFER_PROTOCOL(data) => ftp::refuse(component, link, sender, data),
+        Message::LOG_REQUEST_LIST(_) => data_streams::answer_log_request(component, link),
+        // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.
+        Message::SET_GPS_GLOBAL_ORIGIN(_) if autopilot.rules().tells_origin => {
+            component.send_stream(link, Stream::GpsGlobalOrigin);
+        }
+        _ => {}
+    }
+}
+
+fn take_setpoint(
+    component: &mut Component,
+    lockstep: Option<&mut Lockstep>,
+    data: &SET_POSITION_TARGET_LOCAL_NED_DATA,
+) {
+    let autopilot = &mut component.autopilot;
+    if lockstep.is_some_and(|lockstep| !lockstep.accept(data.time_boot_ms, autopilot.time())) {
+        component.counters.setpoints_out_of_step += 1;
+        return;
+    }
+    if answers::take_local_target(autopilot, data) {
+        return;
+    }
+    match autopilot.check_guided().and_then(|()| Ok(setpoint_from_local_ned(data)?)) {
+        Ok(setpoint) => autopilot.follow(&setpoint),
+        Err(refused) => autopilot.refuse_setpoint(Severity::Warning, &format!("Setpoint refused: {refused}")),
+    }
+}
+
+fn acknowledge(component: &mut Component, link: usize, number: u16, sender: Target, outcome: Result<(), CommandError>) {
+    let result = conclude(component, outcome);
+    component.links().acknowledge(link, number, result, sender);
+}
+
+/// Counts a command, says aloud why it is refused, and gives its result.
+fn conclude(component: &mut Component, outcome: Result<(), CommandError>) -> MavResult {
+    match outcome {
+        Ok(()) => {
+            component.counters.commands_accepted += 1;
+            MavResult::MAV_RESULT_ACCEPTED
+        }
+        Err(error) => {
+            component.counters.commands_refused += 1;
+            if let Some(reason) = &error.reason {
+                component.say(error.severity, reason);
+            }
+            match error.result {
+                CommandResult::Denied => MavResult::MAV_RESULT_DENIED,
+                CommandResult::Failed => MavResult::MAV_RESULT_FAILED,
+                CommandResult::Unsupported => MavResult::MAV_RESULT_UNSUPPORTED,
+                CommandResult::TemporarilyRejected => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
+                CommandResult::Cancelled => MavResult::MAV_RESULT_CANCELLED,
+            }
         }
     }
+}
 
-    fn answer_ping(&mut self, link: usize, sender: Target, data: &PING_DATA) {
-        // A ping with a target is itself an answer.
-        if data.target_system == 0 && data.target_component == 0 {
-            let Target { system_id: target_system, component_id: target_component } = sender;
-            self.links.send(link, &Message::PING(PING_DATA { target_system, target_component, ..data.clone() }));
-        }
+fn channels_of(data: &RC_CHANNELS_OVERRIDE_DATA) -> [u16; 8] {
+    [
+        data.chan1_raw,
+        data.chan2_raw,
+        data.chan3_raw,
+        data.chan4_raw,
+        data.chan5_raw,
+        data.chan6_raw,
+        data.chan7_raw,
+        data.chan8_raw,
+    ]
+}
+
+fn answer_timesync(component: &mut Component, link: usize, sender: Target, data: &TIMESYNC_DATA) {
+    // A set tc1 is itself an answer.
+    if data.tc1 == 0 {
+        let tc1 = i64::try_from(component.autopilot.time().as_nanos()).unwrap_or(i64::MAX);
+        let Target { system_id: target_system, component_id: target_component } = sender;
+        let answer = TIMESYNC_DATA { tc1, ts1: data.ts1, target_system, target_component };
+        component.links().send(link, &Message::TIMESYNC(answer));
+    }
+}
+
+fn answer_ping(component: &mut Component, link: usize, sender: Target, data: &PING_DATA) {
+    // A ping with a target is itself an answer.
+    if data.target_system == 0 && data.target_component == 0 {
+        let Target { system_id: target_system, component_id: target_component } = sender;
+        let answer = PING_DATA { target_system, target_component, ..data.clone() };
+        component.links().send(link, &Message::PING(answer));
     }
 }

@@ -1,53 +1,122 @@
-//! What the vehicle says of its own accord, and what it says it from.
+//! An autopilot with its links: what it tells of its own accord, and what it tells it from.
 
-use crate::links::Links;
+use crate::autopilot::Autopilot;
+use crate::autopilot::event::Event;
+use crate::counters::VehicleCounters;
+use crate::error::Severity;
+use crate::links::{Links, PeerId};
+use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
 use crate::telemetry::streams::Stream;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavSeverity;
+use mavlink_bridge::Version;
+use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
+use std::time::Duration;
 
-impl Vehicle {
-    /// Says who and where it is to a new peer, who will be asked again in lockstep.
-    pub(crate) fn announce(&mut self, link: usize) {
-        self.links.begin_batch(Some(link));
-        self.send_stream(link, Stream::Heartbeat);
-        self.send_stream(link, Stream::LocalPositionNed);
-        self.links.end_batch();
+/// An autopilot and its links: a component, as MAVLink has it.
+#[derive(Debug)]
+pub(crate) struct Component {
+    /// Who it is: its system id and its rates may change.
+    pub settings: VehicleSettings,
+    pub autopilot: Autopilot,
+    /// By [`links`](Self::links): what is not yet told goes first.
+    links: Links,
+    /// Commands and frames; the autopilot counts the rest.
+    pub counters: VehicleCounters,
+    pub host_now: Duration,
+}
+
+impl Component {
+    pub fn new(settings: VehicleSettings, is_in_lockstep: bool) -> Self {
+        Self {
+            autopilot: Autopilot::new(&settings, is_in_lockstep),
+            links: Links::new(&settings),
+            settings,
+            counters: VehicleCounters::default(),
+            host_now: Duration::ZERO,
+        }
     }
 
-    pub(crate) fn send_stream(&mut self, link: usize, stream: Stream) {
+    /// The links, on which everything that is not yet told has gone out.
+    pub fn links(&mut self) -> &mut Links {
+        self.tell_events();
+        &mut self.links
+    }
+
+    /// The links as they are, to be looked at.
+    pub fn peers(&self) -> &Links {
+        &self.links
+    }
+
+    /// Notes that a peer has spoken. Gives its link, and whether it is a new one.
+    pub fn hear(&mut self, peer: PeerId, version: Version) -> (usize, bool) {
+        self.links.hear(peer, version, self.host_now, self.autopilot.time())
+    }
+
+    /// Takes the host time, and forgets the peers that have been silent for too long.
+    pub fn note_host_time(&mut self, now: Duration) {
+        self.host_now = self.host_now.max(now);
+        self.links.drop_silent(self.host_now);
+    }
+
+    /// Tells who and where it is to a new peer, who will be asked again in lockstep.
+    pub fn announce(&mut self, link: usize) {
+        self.links().begin_batch(Some(link));
+        self.send_stream(link, Stream::Heartbeat);
+        self.send_stream(link, Stream::LocalPositionNed);
+        self.links().end_batch();
+    }
+
+    pub fn send_stream(&mut self, link: usize, stream: Stream) {
         self.with_instruments(|links, instruments| links.send_stream(link, stream, instruments));
     }
 
-    pub(crate) fn send_stream_to_all(&mut self, stream: Stream) {
-        self.with_instruments(|links, instruments| {
+    /// Says something to everybody.
+    pub fn say(&mut self, severity: Severity, text: &str) {
+        self.autopilot.say(severity, text);
+    }
+
+    /// Makes messages of what the autopilot has to tell.
+    pub fn tell_events(&mut self) {
+        if self.autopilot.events().is_empty() {
+            return;
+        }
+        for event in self.autopilot.events().take() {
+            match event {
+                Event::Text(severity, text) => self.links.say(severity_of(severity), &text),
+                Event::ModeChanged => self.send_stream_to_all(Stream::Heartbeat),
+                Event::HomeMoved => self.send_stream_to_all(Stream::HomePosition),
+                Event::Breached => self.send_stream_to_all(Stream::FenceStatus),
+                Event::ItemReached(seq) => {
+                    let reached = Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq });
+                    self.links.send_all(&reached);
+                }
+            }
+        }
+    }
+
+    /// Sends what the instruments say, after all that is not yet told.
+    pub fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
+        self.tell_events();
+        self.look(send);
+    }
+
+    fn send_stream_to_all(&mut self, stream: Stream) {
+        self.look(|links, instruments| {
             (0..links.len()).for_each(|link| links.send_stream(link, stream, instruments));
         });
     }
 
-    pub(crate) fn say(&mut self, severity: MavSeverity, text: &str) {
-        self.links.say(severity, text);
-    }
-
-    pub(crate) fn with_instruments(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
-        let is_armable = self.against_arming().is_none();
-        let instruments = Instruments {
-            time: self.time,
-            system_id: self.settings.system_id,
-            personality: self.settings.personality,
-            flight: &self.flight,
-            frame: &self.settings.frame,
-            mission: &self.mission,
-            progress: &self.progress,
-            failsafe: self.is_in_failsafe(),
-            world: &self.world,
-            parameters: &self.parameters,
-            battery_level: self.failsafes.battery.level(),
-            fence: self.fence.report(&self.parameters),
-            is_armable,
-            channels: &self.channels,
-            clock_epoch_us: self.settings.clock_epoch_us,
-        };
+    fn look(&mut self, send: impl FnOnce(&mut Links, &Instruments<'_>)) {
+        let instruments = Instruments::of(&self.autopilot, self.settings.system_id, self.settings.clock_epoch_us);
         send(&mut self.links, &instruments);
+    }
+}
+
+fn severity_of(severity: Severity) -> MavSeverity {
+    match severity {
+        Severity::Critical => MavSeverity::MAV_SEVERITY_CRITICAL,
+        Severity::Warning => MavSeverity::MAV_SEVERITY_WARNING,
+        Severity::Notice => MavSeverity::MAV_SEVERITY_NOTICE,
+        Severity::Info => MavSeverity::MAV_SEVERITY_INFO,
     }
 }

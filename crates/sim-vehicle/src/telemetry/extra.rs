@@ -5,7 +5,7 @@
 #![allow(deprecated)]
 
 use super::{Instruments, sensors};
-use crate::parameters::Parameter;
+use crate::parameters::table::Parameter;
 use crate::telemetry::streams::Stream;
 use flight_model::Geodetic;
 use mavlink_bridge::dialect::{
@@ -43,7 +43,7 @@ impl Instruments<'_> {
             Stream::HilActuatorControls => Message::HIL_ACTUATOR_CONTROLS(HIL_ACTUATOR_CONTROLS_DATA {
                 time_usec: self.micros(),
                 controls: std::array::from_fn(|output| if output == THROTTLE { self.throttle() as f32 } else { 0.0 }),
-                mode: self.personality.base_mode(self.flight.mode(), self.flight.is_armed()),
+                mode: (self.rules.base_mode)(self.flight.mode(), self.flight.is_armed()),
                 // The default of a bitmask is its first flag, not none.
                 flags: HilActuatorControlsFlags::empty(),
             }),
@@ -160,7 +160,7 @@ impl Instruments<'_> {
 
     fn rc_channels_raw(&self) -> Message {
         let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw] =
-            self.channels.pulses_us(self.time);
+            self.autopilot.session.channels.positions_us(self.time);
         Message::RC_CHANNELS_RAW(RC_CHANNELS_RAW_DATA {
             time_boot_ms: boot_ms(self.time),
             chan1_raw,
@@ -177,7 +177,7 @@ impl Instruments<'_> {
     }
 
     fn manual_control(&self) -> Message {
-        let [roll, pitch, throttle, yaw, ..] = self.channels.pulses_us(self.time);
+        let [roll, pitch, throttle, yaw, ..] = self.autopilot.session.channels.positions_us(self.time);
         let share = |pulse_us: u16| ((i32::from(pulse_us) - i32::from(MIDDLE_US)) * 2).clamp(-1000, 1000) as i16;
         Message::MANUAL_CONTROL(MANUAL_CONTROL_DATA {
             x: share(pitch),
@@ -348,17 +348,14 @@ impl Instruments<'_> {
         let (latitude, longitude) = e7(&place);
         let half_degrees = |angle_rad: f64| (angle_rad.to_degrees().rem_euclid(360.0) / 2.0) as u8;
         let fifths = |speed_mps: f64| (5.0 * speed_mps).round() as u8;
-        let target_m = aim.place.map_or(0.0, |(x_m, y_m)| {
-            let (north, east) = (x_m - state.x_m, y_m - state.y_m);
-            (north * north + east * east).sqrt()
-        });
-        let wind = self.world.weather.estimate();
-        let battery = sensors::Charge::of(&self.world.battery, self.parameters);
+        let target_m = aim.place.map_or(0.0, |place_m| (place_m - state.position_m()).norm());
+        let wind = self.world.wind_estimate();
+        let battery = sensors::Charge::of(self.world.battery(), self.parameters);
         let mut failures = HlFailureFlag::empty();
         failures.set(HlFailureFlag::HL_FAILURE_FLAG_GPS, !self.has_fix());
         failures.set(HlFailureFlag::HL_FAILURE_FLAG_ENGINE, self.flight.is_armed() && !self.flight.is_engine_running());
         failures.set(HlFailureFlag::HL_FAILURE_FLAG_GEOFENCE, self.fence.breached != 0);
-        let custom_mode = self.personality.custom_mode(self.flight.mode());
+        let custom_mode = (self.rules.custom_mode)(self.flight.mode());
         Message::HIGH_LATENCY2(HIGH_LATENCY2_DATA {
             timestamp: boot_ms(self.time),
             latitude,
@@ -368,10 +365,10 @@ impl Instruments<'_> {
             altitude: place.altitude_amsl_m.round() as i16,
             target_altitude: (self.frame.origin().altitude_amsl_m + aim.altitude_m).round() as i16,
             target_distance: (target_m / 10.0).round() as u16,
-            wp_num: self.progress.told(),
+            wp_num: self.autopilot.session.progress.told(),
             failure_flags: failures,
             mavtype: MavType::MAV_TYPE_FIXED_WING,
-            autopilot: self.personality.autopilot(),
+            autopilot: self.rules.autopilot,
             heading: half_degrees(self.flight.heading_rad()),
             target_heading: half_degrees(aim.course_rad),
             throttle: (100.0 * self.throttle()).round() as u8,
@@ -383,7 +380,7 @@ impl Instruments<'_> {
             temperature_air: self.readings().temperature_c.round() as i8,
             climb_rate: (10.0 * state.climb_mps).round() as i8,
             battery: battery.map_or(-1, |battery| battery.percent()),
-            custom0: self.personality.base_mode(self.flight.mode(), self.flight.is_armed()).bits() as i8,
+            custom0: (self.rules.base_mode)(self.flight.mode(), self.flight.is_armed()).bits() as i8,
             ..HIGH_LATENCY2_DATA::DEFAULT
         })
     }

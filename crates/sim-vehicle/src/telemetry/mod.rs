@@ -1,47 +1,72 @@
 //! What the vehicle says of itself.
 
-mod announce;
+// Clients still speak what the dialect calls superseded, and autopilots answer.
+#![allow(deprecated)]
+
+pub(crate) mod announce;
 mod extra;
 mod navigation;
+pub(crate) mod rates;
 mod sensors;
 pub(crate) mod streams;
 
-use crate::autopilot::failsafe::BatteryLevel;
-use crate::autopilot::fence::FenceReport;
+use crate::autopilot::Autopilot;
+use crate::autopilot::failsafe::battery::BatteryLevel;
+use crate::autopilot::fence::kinds::{CIRCLE, Kinds, MAX_ALTITUDE, POLYGON};
+use crate::autopilot::fence::monitor::FenceReport;
 use crate::autopilot::flight::Flight;
-use crate::autopilot::manual_control::Channels;
-use crate::autopilot::mission::{Mission, Progress};
-use crate::firmware::Personality;
+use crate::firmware::rules::Rules;
 use crate::mode::Mode;
-use crate::parameters::{Parameter, Parameters};
+use crate::parameters::Parameters;
+use crate::parameters::table::Parameter;
 use crate::telemetry::streams::Stream;
-use crate::world::{GpsSettings, Readings, SensorSettings, World, tick};
+use crate::world::{GpsSettings, Readings, World};
 use flight_model::LocalFrame;
 use mavlink_bridge::dialect::{
-    FENCE_STATUS_DATA, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavLandedState, MavProtocolCapability, MavState,
-    MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, SYS_STATUS_DATA,
+    FENCE_STATUS_DATA, FenceBreach, HOME_POSITION_DATA, MISSION_CURRENT_DATA, MavLandedState, MavProtocolCapability,
+    MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, RC_CHANNELS_DATA,
+    SYS_STATUS_DATA,
 };
 use mavlink_bridge::{ArduPilotMessage, LatLonE7, local_position_ned, telemetry};
 use std::time::Duration;
 
 /// Everything that the messages are made of, at one moment.
 pub(crate) struct Instruments<'a> {
-    pub time: Duration,
-    pub system_id: u8,
-    pub personality: Personality,
-    pub flight: &'a Flight,
-    pub mission: &'a Mission,
-    pub progress: &'a Progress,
-    pub frame: &'a LocalFrame,
-    pub failsafe: bool,
+    time: Duration,
+    system_id: u8,
+    rules: &'static Rules,
+    autopilot: &'a Autopilot,
+    flight: &'a Flight,
+    frame: &'a LocalFrame,
+    world: &'a World,
+    parameters: &'a Parameters,
+    fence: FenceReport,
     /// Whether it is armed, or nothing stands against it.
-    pub is_armable: bool,
-    pub channels: &'a Channels,
-    pub world: &'a World,
-    pub parameters: &'a Parameters,
-    pub battery_level: BatteryLevel,
-    pub fence: FenceReport,
-    pub clock_epoch_us: u64,
+    is_armable: bool,
+    clock_epoch_us: u64,
+}
+
+impl<'a> Instruments<'a> {
+    pub fn of(autopilot: &'a Autopilot, system_id: u8, clock_epoch_us: u64) -> Self {
+        Self {
+            time: autopilot.time(),
+            system_id,
+            rules: autopilot.rules(),
+            autopilot,
+            flight: &autopilot.flight,
+            frame: autopilot.frame(),
+            world: &autopilot.world,
+            parameters: &autopilot.parameters,
+            fence: autopilot.fence_report(),
+            is_armable: autopilot.against_arming().is_none(),
+            clock_epoch_us,
+        }
+    }
+
+    /// Vehicle time.
+    pub fn time(&self) -> Duration {
+        self.time
+    }
 }
 
 impl Instruments<'_> {
@@ -56,9 +81,9 @@ impl Instruments<'_> {
         match stream {
             Stream::Heartbeat => telemetry::heartbeat(
                 MavType::MAV_TYPE_FIXED_WING,
-                self.personality.autopilot(),
-                self.personality.base_mode(self.flight.mode(), self.flight.is_armed()),
-                self.personality.custom_mode(self.flight.mode()),
+                self.rules.autopilot,
+                (self.rules.base_mode)(self.flight.mode(), self.flight.is_armed()),
+                (self.rules.custom_mode)(self.flight.mode()),
                 self.status(),
             ),
             Stream::SysStatus => self.sys_status(),
@@ -85,7 +110,7 @@ impl Instruments<'_> {
             }
             Stream::GpsRawInt => {
                 let settings = GpsSettings::of(self.parameters);
-                let measured = self.world.gps.measure(&settings, self.flight.state(), &self.world.noise, tick(time));
+                let measured = self.world.measure_place(&settings, self.flight.state(), time);
                 telemetry::gps_raw_int(time, &measured, self.frame, settings.has_fix(), settings.satellites())
             }
             Stream::RawImu => sensors::raw_imu(time, &self.readings(), self.gravity_mps2()),
@@ -95,18 +120,18 @@ impl Instruments<'_> {
             // Of ArduPilot's own dialect: see ardupilot_message.
             Stream::Wind | Stream::WindCov | Stream::EkfStatusReport => telemetry::wind_cov(
                 time,
-                &self.world.weather.estimate(),
+                &self.world.wind_estimate(),
                 f64::from(self.parameters.get(Parameter::WindGusts)),
                 origin.altitude_amsl_m + state.altitude_m,
             ),
-            Stream::RcChannels => self.channels.message(time),
+            Stream::RcChannels => self.rc_channels(),
             Stream::MissionCurrent => self.mission_current(),
             Stream::BatteryStatus => self.battery_status(),
             Stream::FenceStatus => self.fence_status(),
             Stream::ExtendedSysState => telemetry::extended_sys_state(self.landed_state()),
             Stream::AutopilotVersion => {
-                let capabilities = capabilities() | self.personality.capabilities();
-                telemetry::autopilot_version(self.personality.version(), capabilities, u64::from(self.system_id))
+                let capabilities = capabilities(self.rules);
+                telemetry::autopilot_version(self.rules.version, capabilities, u64::from(self.system_id))
             }
             Stream::ProtocolVersion => telemetry::protocol_version(),
             Stream::GpsGlobalOrigin => telemetry::gps_global_origin(time, &origin),
@@ -155,7 +180,7 @@ impl Instruments<'_> {
     /// What a stream says in a message of ArduPilot's own dialect; none if it is of the common one.
     pub fn ardupilot_message(&self, stream: Stream) -> Option<ArduPilotMessage> {
         match stream {
-            Stream::Wind => Some(mavlink_bridge::wind(&self.world.weather.estimate())),
+            Stream::Wind => Some(mavlink_bridge::wind(&self.world.wind_estimate())),
             Stream::EkfStatusReport => Some(mavlink_bridge::ekf_status_report(self.estimator_flags())),
             other => self.extra_of_ardupilot(other),
         }
@@ -177,42 +202,57 @@ impl Instruments<'_> {
     }
 
     fn readings(&self) -> Readings {
-        Readings::take(
-            self.flight,
-            &SensorSettings::of(self.parameters),
-            &self.world.noise,
-            tick(self.time),
-            self.world.barometer_drift_m,
-            self.frame.origin().altitude_amsl_m,
-        )
+        let origin_amsl_m = self.frame.origin().altitude_amsl_m;
+        self.world.readings(&self.flight.motion(), self.parameters, self.time, origin_amsl_m)
+    }
+
+    /// RC_CHANNELS (<https://mavlink.io/en/messages/common.html#RC_CHANNELS>).
+    fn rc_channels(&self) -> Message {
+        let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw] =
+            self.autopilot.session.channels.positions_us(self.time);
+        Message::RC_CHANNELS(RC_CHANNELS_DATA {
+            time_boot_ms: self.time.as_millis() as u32,
+            chan1_raw,
+            chan2_raw,
+            chan3_raw,
+            chan4_raw,
+            chan5_raw,
+            chan6_raw,
+            chan7_raw,
+            chan8_raw,
+            chancount: 8,
+            rssi: u8::MAX,
+            ..RC_CHANNELS_DATA::DEFAULT
+        })
+    }
+
+    fn battery_level(&self) -> BatteryLevel {
+        self.autopilot.session.failsafes.battery.level()
     }
 
     fn mission_current(&self) -> Message {
+        let (mission, progress) = (self.autopilot.mission(), &self.autopilot.session.progress);
         let is_flown = self.flight.mode() == Mode::Auto;
-        let mission_state = if !self.mission.is_flyable() {
+        let mission_state = if !mission.is_flyable() {
             MissionState::MISSION_STATE_NO_MISSION
-        } else if self.progress.is_complete {
+        } else if progress.is_complete() {
             MissionState::MISSION_STATE_COMPLETE
         } else if is_flown {
             MissionState::MISSION_STATE_ACTIVE
-        } else if self.personality == Personality::Px4 && self.progress.has_begun {
+        } else if self.rules.tells_paused_mission && progress.has_begun() {
             MissionState::MISSION_STATE_PAUSED
         } else {
             MissionState::MISSION_STATE_NOT_STARTED
         };
         // There is no item behind the last one.
-        let last = self.mission.len().saturating_sub(1);
+        let last = mission.len().saturating_sub(1);
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
-            seq: self.progress.told().min(last),
+            seq: progress.told().min(last),
             // Home is not counted.
-            total: self.mission.len().saturating_sub(self.mission.first),
+            total: mission.len().saturating_sub(mission.first()),
             mission_state,
             // An ArduPlane knows only whether it is flown.
-            mission_mode: match (is_flown, self.personality) {
-                (true, _) => 1,
-                (false, Personality::ArduPlane) => 0,
-                (false, _) => 2,
-            },
+            mission_mode: if is_flown { 1 } else { self.rules.mission_mode_suspended },
             ..MISSION_CURRENT_DATA::DEFAULT
         })
     }
@@ -223,13 +263,13 @@ impl Instruments<'_> {
             breach_time: mavlink_bridge::boot_ms(fence.breached_at),
             breach_count: fence.breaches,
             breach_status: u8::from(fence.breached != 0),
-            breach_type: fence.breach_type(),
+            breach_type: breach_type(fence.breached),
             ..FENCE_STATUS_DATA::DEFAULT
         })
     }
 
     fn status(&self) -> MavState {
-        if self.failsafe {
+        if self.autopilot.is_in_failsafe() {
             MavState::MAV_STATE_CRITICAL
         } else if self.flight.is_flying() {
             MavState::MAV_STATE_ACTIVE
@@ -249,7 +289,7 @@ impl Instruments<'_> {
             | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS
             | MavSysStatusSensor::MAV_SYS_STATUS_AHRS
             | MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
-        let battery = sensors::Charge::of(&self.world.battery, self.parameters);
+        let battery = sensors::Charge::of(self.world.battery(), self.parameters);
         let mut sensors = sensors;
         sensors.set(MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, battery.is_some());
         // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
@@ -263,7 +303,7 @@ impl Instruments<'_> {
             (MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK, self.is_armable),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS, self.has_fix()),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE, pitot_is_whole),
-            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, self.battery_level == BatteryLevel::Ok),
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, self.battery_level() == BatteryLevel::Ok),
         ] {
             health &= if is_well { health } else { !sensor };
         }
@@ -284,13 +324,20 @@ impl Instruments<'_> {
     }
 
     fn battery_status(&self) -> Message {
-        sensors::battery_status(sensors::Charge::of(&self.world.battery, self.parameters), self.battery_level)
+        sensors::battery_status(sensors::Charge::of(self.world.battery(), self.parameters), self.battery_level())
     }
 }
 
 /// No more than there is: ground stations ask for what they are told of.
-fn capabilities() -> MavProtocolCapability {
-    MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+fn capabilities(rules: &Rules) -> MavProtocolCapability {
+    let encoding = if rules.bytewise_parameters {
+        MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
+    } else {
+        MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+    };
+    encoding
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
@@ -299,44 +346,33 @@ fn capabilities() -> MavProtocolCapability {
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }
 
+/// Of several breaches, the one that ArduPilot tells.
+fn breach_type(breached: Kinds) -> FenceBreach {
+    match breached {
+        0 => FenceBreach::FENCE_BREACH_NONE,
+        kinds if kinds & (CIRCLE | POLYGON) != 0 => FenceBreach::FENCE_BREACH_BOUNDARY,
+        kinds if kinds & MAX_ALTITUDE != 0 => FenceBreach::FENCE_BREACH_MAXALT,
+        _ => FenceBreach::FENCE_BREACH_MINALT,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::settings::VehicleSettings;
     use mavlink_bridge::dialect::DialectMessage;
 
-    fn look<T>(flight: &Flight, at: impl FnOnce(&Instruments<'_>) -> T) -> T {
-        let parameters = Parameters::new(&VehicleSettings::default());
-        let instruments = Instruments {
-            time: Duration::ZERO,
-            world: &World::new(&VehicleSettings::default(), &parameters),
-            parameters: &parameters,
-            battery_level: BatteryLevel::Ok,
-            system_id: 1,
-            personality: Personality::default(),
-            mission: &Mission::new(1),
-            progress: &Progress::default(),
-            flight,
-            frame: &VehicleSettings::default().frame,
-            failsafe: false,
-            is_armable: true,
-            channels: &Channels::default(),
-            fence: FenceReport::default(),
-            clock_epoch_us: 7,
-        };
-        at(&instruments)
-    }
-
-    fn message(flight: &Flight, stream: Stream) -> Message {
-        look(flight, |instruments| instruments.message(stream))
+    fn autopilot() -> Autopilot {
+        Autopilot::new(&VehicleSettings::default(), false)
     }
 
     #[test]
     fn every_stream_makes_its_own_message() {
-        let flight = Flight::new(&VehicleSettings::default());
+        let autopilot = autopilot();
+        let instruments = Instruments::of(&autopilot, 1, 7);
         for stream in Stream::ALL {
-            let foreign = look(&flight, |instruments| instruments.ardupilot_message(stream));
-            let id = foreign.map_or_else(|| message(&flight, stream).message_id(), |message| message.message_id());
+            let foreign = instruments.ardupilot_message(stream);
+            let id = foreign.map_or_else(|| instruments.message(stream).message_id(), |message| message.message_id());
             assert_eq!(id, stream.message_id());
             assert_eq!(Stream::from_message_id(stream.message_id()), Some(stream));
         }
@@ -344,13 +380,22 @@ mod tests {
 
     #[test]
     fn a_coordinated_turn_banks() {
-        let mut flight = Flight::new(&VehicleSettings::default());
-        flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
+        let mut autopilot = autopilot();
+        autopilot.flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
         for _ in 0..50 {
-            flight.step();
+            autopilot.flight.step();
         }
-        let Message::ATTITUDE(attitude) = message(&flight, Stream::Attitude) else { panic!() };
+        let message = Instruments::of(&autopilot, 1, 7).message(Stream::Attitude);
+        let Message::ATTITUDE(attitude) = message else { panic!() };
         assert!((attitude.roll - std::f32::consts::FRAC_PI_4).abs() < 1e-5);
         assert!((attitude.yawspeed - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn of_several_breaches_the_boundary_is_told() {
+        use crate::autopilot::fence::kinds::{ALL, MIN_ALTITUDE};
+        assert_eq!(breach_type(ALL), FenceBreach::FENCE_BREACH_BOUNDARY);
+        assert_eq!(breach_type(MIN_ALTITUDE | MAX_ALTITUDE), FenceBreach::FENCE_BREACH_MAXALT);
+        assert_eq!(breach_type(MIN_ALTITUDE), FenceBreach::FENCE_BREACH_MINALT);
     }
 }

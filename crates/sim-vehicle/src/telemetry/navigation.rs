@@ -50,8 +50,8 @@ impl Instruments<'_> {
         })
     }
 
-    /// ODOMETRY (<https://mavlink.io/en/messages/common.html#ODOMETRY>): the place of LOCAL_POSITION_NED, the velocity as the
-    /// body has it, no covariances.
+    /// ODOMETRY (<https://mavlink.io/en/messages/common.html#ODOMETRY>): the place of LOCAL_POSITION_NED, the velocity
+    /// as the body has it, no covariances.
     pub(super) fn odometry(&self) -> Message {
         let state = self.flight.estimate();
         let [vx, vy, vz] = self.to_body(&state);
@@ -87,16 +87,16 @@ impl Instruments<'_> {
         [forward, cr * right + sr * below, cr * below - sr * right].map(|speed_mps| speed_mps as f32)
     }
 
-    /// NAV_CONTROLLER_OUTPUT (<https://mavlink.io/en/messages/common.html#NAV_CONTROLLER_OUTPUT>): no line is flown between two
-    /// waypoints, so there is no distance from it.
+    /// NAV_CONTROLLER_OUTPUT (<https://mavlink.io/en/messages/common.html#NAV_CONTROLLER_OUTPUT>): no line is flown
+    /// between two waypoints, so there is no distance from it.
     pub(super) fn nav_controller_output(&self) -> Message {
         let (aim, state) = (self.flight.aim(), self.flight.estimate());
         let [roll_rad, pitch_rad, _] = self.attitude_rad();
         let degrees = |angle_rad: f64| angle_rad.to_degrees().round() as i16;
         let (bearing_rad, distance_m) = match aim.place {
-            Some((x_m, y_m)) => {
-                let (north, east) = (x_m - state.x_m, y_m - state.y_m);
-                (libm::atan2(east, north), (north * north + east * east).sqrt())
+            Some(place) => {
+                let way = place - state.position_m();
+                (libm::atan2(way.y, way.x), way.norm())
             }
             None => (aim.course_rad, 0.0),
         };
@@ -112,12 +112,12 @@ impl Instruments<'_> {
         })
     }
 
-    /// POSITION_TARGET_GLOBAL_INT (<https://mavlink.io/en/messages/common.html#POSITION_TARGET_GLOBAL_INT>): the place that is
-    /// flown to or circled, above sea level; the present one while there is none.
+    /// POSITION_TARGET_GLOBAL_INT (<https://mavlink.io/en/messages/common.html#POSITION_TARGET_GLOBAL_INT>): the place
+    /// that is flown to or circled, above sea level; the present one while there is none.
     pub(super) fn position_target_global_int(&self) -> Message {
         let (aim, state) = (self.flight.aim(), self.flight.estimate());
-        let (x_m, y_m) = aim.place.unwrap_or((state.x_m, state.y_m));
-        let place = self.frame.to_geodetic(x_m, y_m, aim.altitude_m);
+        let target = aim.place.unwrap_or(state.position_m());
+        let place = self.frame.to_geodetic(target.x, target.y, aim.altitude_m);
         let LatLonE7 { latitude_e7, longitude_e7 } = LatLonE7::from_geodetic(&place);
         Message::POSITION_TARGET_GLOBAL_INT(POSITION_TARGET_GLOBAL_INT_DATA {
             time_boot_ms: boot_ms(self.time),
@@ -130,8 +130,8 @@ impl Instruments<'_> {
         })
     }
 
-    /// POSITION_TARGET_LOCAL_NED (<https://mavlink.io/en/messages/common.html#POSITION_TARGET_LOCAL_NED>): the velocity that is
-    /// steered for, and the altitude.
+    /// POSITION_TARGET_LOCAL_NED (<https://mavlink.io/en/messages/common.html#POSITION_TARGET_LOCAL_NED>): the velocity
+    /// that is steered for, and the altitude.
     pub(super) fn position_target_local_ned(&self) -> Message {
         let aim = self.flight.aim();
         let (sin, cos) = libm::sincos(aim.course_rad);

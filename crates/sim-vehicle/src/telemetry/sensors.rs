@@ -1,7 +1,8 @@
 //! Sensors and the battery as messages, in the units that ArduPlane sends.
 
-use crate::autopilot::failsafe::BatteryLevel;
-use crate::parameters::{Parameter, Parameters};
+use crate::autopilot::failsafe::battery::BatteryLevel;
+use crate::parameters::Parameters;
+use crate::parameters::table::Parameter;
 use crate::world::{Battery, Readings};
 use mavlink_bridge::boot_ms;
 use mavlink_bridge::dialect::{
@@ -140,8 +141,8 @@ impl<'a> Charge<'a> {
     }
 }
 
-/// BATTERY_STATUS (<https://mavlink.io/en/messages/common.html#BATTERY_STATUS>) of the whole battery in its first cell, as
-/// ArduPilot's monitor of voltage and current has it.
+/// BATTERY_STATUS (<https://mavlink.io/en/messages/common.html#BATTERY_STATUS>) of the whole battery in its first cell,
+/// as ArduPilot's monitor of voltage and current has it.
 pub fn battery_status(charge: Option<Charge<'_>>, level: BatteryLevel) -> Message {
     let mut voltages = [u16::MAX; 10];
     voltages[0] = charge.map_or(u16::MAX, |charge| charge.millivolts());

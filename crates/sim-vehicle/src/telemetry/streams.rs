@@ -1,7 +1,7 @@
 //! Which messages a link gets, and how often.
 
-use crate::firmware::Personality;
-use crate::settings::TelemetryRates;
+use crate::firmware::rules::Rules;
+use crate::telemetry::rates::TelemetryRates;
 use std::time::Duration;
 
 /// A stream: its name and its message id in <https://mavlink.io/en/messages/ardupilotmega.html>, and the common dialect within.
@@ -94,21 +94,13 @@ impl Stream {
         Self::ALL.into_iter().find(|stream| stream.message_id() == id)
     }
 
-    /// The rate at which this stream comes by default, Hz; none if it comes only when it is asked for. Streams that share
-    /// one are a group of ArduPlane's.
-    fn default_rate_hz(self, rates: &mut TelemetryRates, personality: Personality) -> Option<&mut f64> {
+    /// The rate at which this stream comes by default, Hz; none if it comes only when it is asked for. Streams that
+    /// share one are a group of ArduPlane's.
+    fn default_rate_hz<'a>(self, rates: &'a mut TelemetryRates, rules: &Rules) -> Option<&'a mut f64> {
+        if let Some((_, rate)) = rules.more_streams.iter().find(|(stream, _)| *stream == self) {
+            return Some(rate(rates));
+        }
         match self {
-            // Of the sticks an ArduPlane tells unasked.
-            Stream::RcChannels if personality == Personality::ArduPlane => Some(&mut rates.sys_status_hz),
-            // What a PX4 has not.
-            Stream::Wind | Stream::EkfStatusReport | Stream::RawImu if personality == Personality::Px4 => None,
-            // What a PX4 sends beyond the others.
-            Stream::AttitudeQuaternion if personality == Personality::Px4 => Some(&mut rates.attitude_hz),
-            Stream::Altitude | Stream::WindCov | Stream::GpsGlobalOrigin if personality == Personality::Px4 => {
-                Some(&mut rates.system_time_hz)
-            }
-            Stream::Odometry | Stream::HighresImu if personality == Personality::Px4 => Some(&mut rates.raw_sensors_hz),
-
             Stream::Heartbeat => Some(&mut rates.heartbeat_hz),
             Stream::RawImu | Stream::ScaledPressure => Some(&mut rates.raw_sensors_hz),
             Stream::SysStatus
@@ -132,22 +124,23 @@ impl Stream {
     }
 
     /// Changes the rate at which this stream comes by default.
-    pub fn set_default_rate(self, rates: &mut TelemetryRates, personality: Personality, rate_hz: f64) {
-        if let Some(rate) = self.default_rate_hz(rates, personality) {
+    pub fn set_default_rate(self, rates: &mut TelemetryRates, rules: &Rules, rate_hz: f64) {
+        if let Some(rate) = self.default_rate_hz(rates, rules) {
             *rate = rate_hz;
         }
     }
 
     /// The time between two messages by default; none if the stream is off.
-    pub fn default_interval(self, rates: &TelemetryRates, personality: Personality) -> Option<Duration> {
-        let rate_hz = self.default_rate_hz(&mut { *rates }, personality).map_or(0.0, |rate| *rate);
+    pub fn default_interval(self, rates: &TelemetryRates, rules: &Rules) -> Option<Duration> {
+        let rate_hz = self.default_rate_hz(&mut { *rates }, rules).map_or(0.0, |rate| *rate);
         (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
     }
 }
 
 /// ArduPlane's groups, by which REQUEST_DATA_STREAM and the MAV1_ parameters set rates.
 pub(crate) mod groups {
-    use super::Stream;
+    use crate::parameters::table::RateGroup;
+    use crate::telemetry::streams::Stream;
 
     pub const RAW_SENSORS: &[Stream] = &[Stream::RawImu, Stream::ScaledPressure];
     pub const EXTENDED_STATUS: &[Stream] = &[
@@ -163,6 +156,18 @@ pub(crate) mod groups {
     pub const EXTRA1: &[Stream] = &[Stream::Attitude];
     pub const EXTRA2: &[Stream] = &[Stream::VfrHud];
     pub const EXTRA3: &[Stream] = &[Stream::SystemTime, Stream::Wind, Stream::BatteryStatus, Stream::EkfStatusReport];
+    /// The messages whose rate a parameter sets.
+    pub fn of(group: RateGroup) -> &'static [Stream] {
+        match group {
+            RateGroup::RawSensors => RAW_SENSORS,
+            RateGroup::ExtendedStatus => EXTENDED_STATUS,
+            RateGroup::Position => POSITION,
+            RateGroup::Extra1 => EXTRA1,
+            RateGroup::Extra2 => EXTRA2,
+            RateGroup::Extra3 => EXTRA3,
+        }
+    }
+
     pub const ALL: &[&[Stream]] = &[RAW_SENSORS, EXTENDED_STATUS, RC_CHANNELS, POSITION, EXTRA1, EXTRA2, EXTRA3];
 }
 
@@ -175,8 +180,8 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    pub fn new(rates: &TelemetryRates, personality: Personality, time: Duration) -> Self {
-        let interval = Stream::ALL.map(|stream| stream.default_interval(rates, personality));
+    pub fn new(rates: &TelemetryRates, rules: &Rules, time: Duration) -> Self {
+        let interval = Stream::ALL.map(|stream| stream.default_interval(rates, rules));
         let due = interval.map(|interval| next_multiple(interval, time));
         let mut schedule = Self { interval, due, next: Duration::MAX };
         schedule.find_next();
@@ -231,6 +236,7 @@ fn next_multiple(interval: Option<Duration>, time: Duration) -> Duration {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::firmware::Personality;
 
     fn due_in(schedule: &mut Schedule, from_ms: u64, to_ms: u64) -> Vec<(u64, Stream)> {
         (from_ms / 10 + 1..=to_ms / 10)
@@ -241,7 +247,7 @@ mod tests {
     #[test]
     fn the_rates_are_kept_without_drift() {
         let rates = TelemetryRates { attitude_hz: 30.0, ..TelemetryRates::default() };
-        let mut schedule = Schedule::new(&rates, Personality::ArduPlane, Duration::ZERO);
+        let mut schedule = Schedule::new(&rates, Personality::ArduPlane.rules(), Duration::ZERO);
         let sent = due_in(&mut schedule, 0, 60_000);
         let count = |stream| sent.iter().filter(|(_, sent)| *sent == stream).count();
         assert_eq!(count(Stream::LocalPositionNed), 600);
@@ -255,7 +261,7 @@ mod tests {
 
     #[test]
     fn an_interval_can_be_set_and_switched_off() {
-        let mut schedule = Schedule::new(&TelemetryRates::OFF, Personality::Px4, Duration::ZERO);
+        let mut schedule = Schedule::new(&TelemetryRates::OFF, Personality::Px4.rules(), Duration::ZERO);
         assert_eq!(schedule.next(), Duration::MAX);
         schedule.set_interval(Stream::HomePosition, Some(Duration::from_millis(50)), Duration::from_millis(70));
         let times: Vec<u64> = due_in(&mut schedule, 70, 200).into_iter().map(|(time, _)| time).collect();

@@ -1,7 +1,6 @@
 //! What the other sensors measure. At rest in their settings they measure what is, exactly.
 
 use super::noise::{Noise, Source};
-use crate::autopilot::flight::Flight;
 use flight_model::{air_density_kgpm3, air_pressure_pa, air_temperature_k};
 
 /// The earth's magnetic field, north and down, in mgauss: about that of the middle latitudes, the same everywhere.
@@ -26,6 +25,22 @@ pub(crate) struct SensorSettings {
     pub pitot_stuck_mps: f64,
 }
 
+/// How a vehicle moves at one moment, as its sensors feel it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// Above the origin, m.
+    pub altitude_m: f64,
+    pub climb_mps: f64,
+    /// Through the air, true.
+    pub airspeed_mps: f64,
+    pub heading_rad: f64,
+    pub roll_rad: f64,
+    pub turn_rate_radps: f64,
+    /// (north, east, up).
+    pub acceleration_mps2: [f64; 3],
+    pub gravity_mps2: f64,
+}
+
 /// Readings of one moment; axes are those of the airframe: forward, right, down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Readings {
@@ -48,16 +63,17 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// What the sensors of a flight measure at a tick, when the barometer has drifted by so much and the origin is so high.
+    /// What the sensors measure of a motion at a tick, when the barometer has drifted by so much and the origin is so
+    /// high.
     pub fn take(
-        flight: &Flight,
+        motion: &Motion,
         settings: &SensorSettings,
         noise: &Noise,
         tick: u64,
         drift_m: f64,
         origin_amsl_m: f64,
     ) -> Self {
-        let altitude_m = origin_amsl_m + flight.state().altitude_m;
+        let altitude_m = origin_amsl_m + motion.altitude_m;
         let with_noise = |values: [f64; 3], source, deviation: f64| {
             if deviation == 0.0 {
                 return values;
@@ -68,15 +84,15 @@ impl Readings {
         let one = |source, deviation: f64| {
             if deviation == 0.0 { 0.0 } else { deviation * noise.normals::<1>(source, tick)[0] }
         };
-        let attitude = Attitude::of(flight);
-        let [north, east, up] = flight.acceleration_mps2();
+        let attitude = Attitude::of(motion);
+        let [north, east, up] = motion.acceleration_mps2;
         // What an accelerometer feels is the lift and the thrust, not the weight.
-        let force = attitude.to_body([north, east, -up - flight.limits().gravity_mps2]);
+        let force = attitude.to_body([north, east, -up - motion.gravity_mps2]);
         let bias = settings.accelerometer_bias_mps2;
         let force = std::array::from_fn(|axis| force[axis] + bias[axis]);
         let pressure_altitude_m = altitude_m + drift_m + one(Source::Barometer, settings.barometer_m);
         let density_kgpm3 = air_density_kgpm3(altitude_m);
-        let airspeed_mps = flight.airspeed_mps();
+        let airspeed_mps = motion.airspeed_mps;
         let (dynamic_pressure_pa, airspeed_mps) = if settings.pitot_stuck_mps > 0.0 {
             let stuck_mps = settings.pitot_stuck_mps;
             (0.5 * density_kgpm3 * stuck_mps * stuck_mps, stuck_mps)
@@ -89,7 +105,7 @@ impl Readings {
         Self {
             force_mps2: with_noise(force, Source::Accelerometer, settings.accelerometer_mps2),
             rates_radps: with_noise(
-                attitude.body_rates(flight.turn_rate_radps()),
+                attitude.body_rates(motion.turn_rate_radps),
                 Source::Gyroscope,
                 settings.gyroscope_dps.to_radians(),
             ),
@@ -115,12 +131,12 @@ struct Attitude {
 }
 
 impl Attitude {
-    fn of(flight: &Flight) -> Self {
-        let pitch_rad = libm::atan2(flight.state().climb_mps, flight.airspeed_mps());
+    fn of(motion: &Motion) -> Self {
+        let pitch_rad = libm::atan2(motion.climb_mps, motion.airspeed_mps);
         Self {
-            roll: libm::sincos(flight.roll_rad()),
+            roll: libm::sincos(motion.roll_rad),
             pitch: libm::sincos(pitch_rad),
-            yaw: libm::sincos(flight.heading_rad()),
+            yaw: libm::sincos(motion.heading_rad),
         }
     }
 
@@ -142,6 +158,7 @@ impl Attitude {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::autopilot::flight::Flight;
     use crate::settings::VehicleSettings;
 
     const WHOLE: SensorSettings = SensorSettings {
@@ -154,7 +171,7 @@ mod tests {
         pitot_stuck_mps: 0.0,
     };
 
-    fn flown(turn: bool) -> Flight {
+    fn flown(turn: bool) -> Motion {
         let mut flight = Flight::new(&VehicleSettings::default());
         if turn {
             flight.set_course(3.0, 10.0); // one g sideways: 45 degrees of bank
@@ -162,11 +179,11 @@ mod tests {
         for _ in 0..50 {
             flight.step();
         }
-        flight
+        flight.motion()
     }
 
-    fn read(flight: &Flight, settings: &SensorSettings, tick: u64) -> Readings {
-        Readings::take(flight, settings, &Noise::new(1, 1), tick, 0.0, 50.0)
+    fn read(motion: &Motion, settings: &SensorSettings, tick: u64) -> Readings {
+        Readings::take(motion, settings, &Noise::new(1, 1), tick, 0.0, 50.0)
     }
 
     fn near(found: [f64; 3], expected: [f64; 3]) {
@@ -203,10 +220,10 @@ mod tests {
     fn noise_is_as_strong_as_set_and_belongs_to_the_tick() {
         let noisy =
             SensorSettings { accelerometer_mps2: 0.5, gyroscope_dps: 2.0, barometer_m: 1.0, pitot_pa: 5.0, ..WHOLE };
-        let flight = flown(false);
-        assert_eq!(read(&flight, &noisy, 3), read(&flight, &noisy, 3));
+        let motion = flown(false);
+        assert_eq!(read(&motion, &noisy, 3), read(&motion, &noisy, 3));
         let deviation = |value: &dyn Fn(&Readings) -> f64| {
-            (0..4_000).map(|tick| value(&read(&flight, &noisy, tick))).map(|x| x * x / 4_000.0).sum::<f64>().sqrt()
+            (0..4_000).map(|tick| value(&read(&motion, &noisy, tick))).map(|x| x * x / 4_000.0).sum::<f64>().sqrt()
         };
         assert!((deviation(&|r| r.force_mps2[0]) - 0.5).abs() < 0.03);
         assert!((deviation(&|r| r.rates_radps[2].to_degrees()) - 2.0).abs() < 0.1);

@@ -1,7 +1,11 @@
 //! What the parameters say about the world.
 
-use super::{BatterySettings, Forecast, GpsSettings, SensorSettings};
-use crate::parameters::{Parameter, Parameters};
+use super::battery::BatterySettings;
+use super::gps::GpsSettings;
+use super::sensors::SensorSettings;
+use super::weather::Forecast;
+use crate::parameters::Parameters;
+use crate::parameters::table::Parameter;
 use flight_model::wrap_pi;
 use std::time::Duration;
 

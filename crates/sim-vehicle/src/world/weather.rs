@@ -29,8 +29,8 @@ pub(crate) struct Weather {
 }
 
 impl Weather {
-    /// Goes on by a step. `air` is the vehicle's state in the air; while the vehicle does not see how it moves over ground
-    /// its estimate of the wind stays as it was.
+    /// Goes on by a step. `air` is the vehicle's state in the air; while the vehicle does not see how it moves over
+    /// ground its estimate of the wind stays as it was.
     pub fn step(&mut self, forecast: &Forecast, noise: &Noise, tick: u64, air: &State, step_s: f64, sees_ground: bool) {
         let is_over = self.mean.is_calm() && self.estimate.is_calm() && self.gust.is_calm();
         if forecast.speed_mps == 0.0 && forecast.gusts_mps == 0.0 && is_over {

@@ -1,10 +1,12 @@
 //! A battery that runs down, watched as ArduPilot's monitor does.
 
+use super::proposal::{Action, Cause, Proposal};
+use crate::autopilot::event::Events;
+use crate::autopilot::situation::Situation;
+use crate::autopilot::timer::{Timer, Timers};
+use crate::error::Severity;
 use crate::mode::Mode;
-use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavSeverity;
-use std::time::Duration;
+use crate::parameters::table::Parameter;
 
 /// How the battery is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,52 +17,42 @@ pub(crate) enum BatteryLevel {
     Critical,
 }
 
-/// What was found, and since when the voltage is too low (vehicle times).
+/// What was found.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct BatteryWatch {
     level: BatteryLevel,
-    low_since: Option<Duration>,
-    critical_since: Option<Duration>,
 }
 
-/// The parameters of a level.
+/// The parameters of a level, and since when its voltage is reached.
 struct Threshold {
     voltage: Parameter,
     charge: Parameter,
     action: Parameter,
+    timer: Timer,
 }
 
 const LOW: Threshold = Threshold {
     voltage: Parameter::BatteryLowVoltage,
     charge: Parameter::BatteryLowCharge,
     action: Parameter::BatteryLowAction,
+    timer: Timer::BatteryLow,
 };
 const CRITICAL: Threshold = Threshold {
     voltage: Parameter::BatteryCriticalVoltage,
     charge: Parameter::BatteryCriticalCharge,
     action: Parameter::BatteryCriticalAction,
+    timer: Timer::BatteryCritical,
 };
 
-/// What BATT_FS_LOW_ACT and BATT_FS_CRT_ACT ask for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Action {
-    Nothing,
-    Return,
-    Land,
-    /// Something that a plane without this device does not do.
-    Missing(&'static str),
-}
-
-impl Action {
-    /// A plane that is no quadplane lands for 4 and 6, and without AUTOLAND it returns for 7.
-    fn of(value: f32) -> Self {
-        match value as u8 {
-            0 => Self::Nothing,
-            2 | 4 | 6 => Self::Land,
-            3 => Self::Missing("termination"),
-            5 => Self::Missing("parachute"),
-            _ => Self::Return,
-        }
+/// What a value of BATT_FS_LOW_ACT or BATT_FS_CRT_ACT brings about, or what it needs that is not there. A plane that is no
+/// quadplane lands for 4 and 6, and without AUTOLAND it returns for 7.
+fn action_of(value: f32) -> Result<Action, &'static str> {
+    match value as u8 {
+        0 => Ok(Action::Warn),
+        2 | 4 | 6 => Ok(Action::Land),
+        3 => Err("termination"),
+        5 => Err("parachute"),
+        _ => Ok(Action::Mode(Mode::Rtl)),
     }
 }
 
@@ -68,89 +60,82 @@ impl BatteryWatch {
     pub fn level(&self) -> BatteryLevel {
         self.level
     }
-}
 
-impl Vehicle {
-    /// A level is reached when the charge is too low, or the voltage for longer than BATT_LOW_TIMER. When all is well again
-    /// the level is left; the mode stays.
-    pub(super) fn check_battery(&mut self) {
-        if !self.flight.is_armed() || self.parameters.get(Parameter::BatteryMonitor) == 0.0 {
-            self.failsafes.battery = BatteryWatch::default();
-            return;
+    /// A level is reached when the charge is too low, or the voltage for longer than BATT_LOW_TIMER. When all is well
+    /// again the level is left; the mode stays.
+    pub fn check(&mut self, now: &Situation<'_>, timers: &mut Timers, events: &mut Events) -> Option<Proposal> {
+        if !now.is_armed() || now.get(Parameter::BatteryMonitor) == 0.0 {
+            self.level = BatteryLevel::Ok;
+            timers.clear(LOW.timer);
+            timers.clear(CRITICAL.timer);
+            return None;
         }
-        let mut watch = self.failsafes.battery;
-        let is_critical = self.is_reached(&CRITICAL, &mut watch.critical_since);
-        let is_low = self.is_reached(&LOW, &mut watch.low_since);
+        let is_critical = CRITICAL.is_reached(now, timers);
+        let is_low = LOW.is_reached(now, timers);
         let (found, words, action) = match (is_critical, is_low) {
             (true, _) => (BatteryLevel::Critical, "critical", CRITICAL.action),
             (false, true) => (BatteryLevel::Low, "low", LOW.action),
             (false, false) => (BatteryLevel::Ok, "ok", LOW.action),
         };
-        let before = std::mem::replace(&mut watch.level, found);
-        self.failsafes.battery = watch;
+        let before = std::mem::replace(&mut self.level, found);
         if found == before {
-            return;
-        }
-        let battery = &self.world.battery;
-        let text = format!("Battery 1 is {words} {:.2}V used {:.0} mAh", battery.voltage_v(), battery.consumed_mah());
-        if found < before {
-            self.say(MavSeverity::MAV_SEVERITY_INFO, &text);
-            return;
-        }
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, &text);
-        self.counters.failsafes += 1;
-        // ArduPlane lands by the mission's landing sequence, and without one it returns.
-        match Action::of(self.parameters.get(action)) {
-            Action::Nothing => {}
-            Action::Missing(what) => {
-                self.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("Battery failsafe: there is no {what}"));
-            }
-            Action::Return => self.set_mode(Mode::Rtl),
-            Action::Land if self.flight.is_landing() => {}
-            Action::Land => {
-                if let Err(refusal) = self.start_landing() {
-                    self.say(MavSeverity::MAV_SEVERITY_WARNING, &refusal.reason.unwrap_or_default());
-                    self.set_mode(Mode::Rtl);
-                }
-            }
-        }
-    }
-
-    /// Why the battery does not let it arm, if it does not.
-    pub(crate) fn battery_forbids_arming(&self) -> Option<String> {
-        if self.parameters.get(Parameter::BatteryMonitor) == 0.0 {
             return None;
         }
-        [("critical", &CRITICAL), ("low", &LOW)].into_iter().find_map(|(words, threshold)| {
-            let reason = match (self.is_voltage_below(threshold), self.is_charge_below(threshold)) {
-                (true, _) => "voltage",
-                (_, true) => "capacity",
-                (false, false) => return None,
-            };
-            Some(format!("Battery 1 {words} {reason} failsafe"))
-        })
-    }
-
-    fn is_reached(&self, threshold: &Threshold, since: &mut Option<Duration>) -> bool {
-        if self.is_voltage_below(threshold) {
-            since.get_or_insert(self.time);
-        } else {
-            *since = None;
+        let battery = now.world.battery();
+        let text = format!("Battery 1 is {words} {:.2}V used {:.0} mAh", battery.voltage_v(), battery.consumed_mah());
+        if found < before {
+            events.say(Severity::Info, text);
+            return None;
         }
-        let timer_s = f64::from(self.parameters.get(Parameter::BatteryLowTimer));
-        let is_voltage_low =
-            since.is_some_and(|since| timer_s > 0.0 && self.time.saturating_sub(since).as_secs_f64() > timer_s);
-        is_voltage_low || self.is_charge_below(threshold)
+        events.say(Severity::Warning, text);
+        // ArduPlane lands by the mission's landing sequence, and without one it returns.
+        let action = match action_of(now.get(action)) {
+            Ok(Action::Land) if now.flight.is_landing() => Action::Warn,
+            Ok(action) => action,
+            Err(missing) => {
+                events.say(Severity::Warning, format!("Battery failsafe: there is no {missing}"));
+                Action::Warn
+            }
+        };
+        Some(Proposal::new(Cause::Battery, action))
+    }
+}
+
+/// Why the battery does not let it arm, if it does not.
+pub(crate) fn forbids_arming(now: &Situation<'_>) -> Option<String> {
+    if now.get(Parameter::BatteryMonitor) == 0.0 {
+        return None;
+    }
+    [("critical", &CRITICAL), ("low", &LOW)].into_iter().find_map(|(words, threshold)| {
+        let reason = match (threshold.is_voltage_below(now), threshold.is_charge_below(now)) {
+            (true, _) => "voltage",
+            (_, true) => "capacity",
+            (false, false) => return None,
+        };
+        Some(format!("Battery 1 {words} {reason} failsafe"))
+    })
+}
+
+impl Threshold {
+    fn is_reached(&self, now: &Situation<'_>, timers: &mut Timers) -> bool {
+        if self.is_voltage_below(now) {
+            timers.begin(self.timer, now.time);
+        } else {
+            timers.clear(self.timer);
+        }
+        let timer_s = f64::from(now.get(Parameter::BatteryLowTimer));
+        let is_long = |since: std::time::Duration| timer_s > 0.0 && since.as_secs_f64() > timer_s;
+        timers.since(self.timer, now.time).is_some_and(is_long) || self.is_charge_below(now)
     }
 
-    fn is_voltage_below(&self, threshold: &Threshold) -> bool {
-        let least_v = f64::from(self.parameters.get(threshold.voltage));
-        least_v > 0.0 && self.world.battery.voltage_v() < least_v
+    fn is_voltage_below(&self, now: &Situation<'_>) -> bool {
+        let least_v = f64::from(now.get(self.voltage));
+        least_v > 0.0 && now.world.battery().voltage_v() < least_v
     }
 
-    fn is_charge_below(&self, threshold: &Threshold) -> bool {
-        let least_mah = f64::from(self.parameters.get(threshold.charge));
-        let left_mah = f64::from(self.parameters.get(Parameter::BatteryCapacity)) - self.world.battery.consumed_mah();
+    fn is_charge_below(&self, now: &Situation<'_>) -> bool {
+        let least_mah = f64::from(now.get(self.charge));
+        let left_mah = f64::from(now.get(Parameter::BatteryCapacity)) - now.world.battery().consumed_mah();
         least_mah > 0.0 && left_mah < least_mah
     }
 }

@@ -1,7 +1,9 @@
 //! Where a vehicle may be, from above: polygons and circles to stay in and to stay out of. Knows no MAVLink.
 
+use nalgebra::Vector2;
+
 /// A place in the local frame, (north, east) in m.
-pub(crate) type Place = (f64, f64);
+pub(crate) type Place = Vector2<f64>;
 
 /// What a fence encloses.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,8 +30,8 @@ impl Area {
         self.inclusions.is_empty() && self.exclusions.is_empty()
     }
 
-    /// Whether a place is forbidden: in an exclusion, or outside one of the inclusions, or, where the inclusions are one
-    /// union, outside all of them.
+    /// Whether a place is forbidden: in an exclusion, or outside one of the inclusions, or, where the inclusions are
+    /// one union, outside all of them.
     pub fn forbids(&self, place: Place, inclusions_are_one: bool) -> bool {
         if self.exclusions.iter().any(|shape| shape.contains(place)) {
             return true;
@@ -50,19 +52,16 @@ impl Area {
 
 impl Shape {
     /// By the number of edges that a ray to the north meets: odd inside. A place on an edge may be on either side.
-    pub fn contains(&self, (x, y): Place) -> bool {
+    pub fn contains(&self, place: Place) -> bool {
         match self {
-            Shape::Circle { centre, radius_m } => {
-                let (north, east) = (x - centre.0, y - centre.1);
-                north * north + east * east <= radius_m * radius_m
-            }
+            Shape::Circle { centre, radius_m } => (place - centre).norm_squared() <= radius_m * radius_m,
             Shape::Polygon(corners) => {
                 let mut is_inside = false;
                 let Some(&(mut from)) = corners.last() else { return false };
                 for &to in corners {
                     // Half open: a ray through a corner meets one of its two edges.
-                    let is_met = (from.1 > y) != (to.1 > y);
-                    if is_met && x < from.0 + (to.0 - from.0) * (y - from.1) / (to.1 - from.1) {
+                    let is_met = (from.y > place.y) != (to.y > place.y);
+                    if is_met && place.x < from.x + (to.x - from.x) * (place.y - from.y) / (to.y - from.y) {
                         is_inside = !is_inside;
                     }
                     from = to;
@@ -77,10 +76,10 @@ impl Shape {
         let first = *corners.first()?;
         let (mut least, mut most) = (first, first);
         for corner in corners {
-            least = (least.0.min(corner.0), least.1.min(corner.1));
-            most = (most.0.max(corner.0), most.1.max(corner.1));
+            least = least.inf(corner);
+            most = most.sup(corner);
         }
-        Some((0.5 * (least.0 + most.0), 0.5 * (least.1 + most.1)))
+        Some(0.5 * (least + most))
     }
 }
 
@@ -90,34 +89,43 @@ mod tests {
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
-    const SQUARE: [Place; 4] = [(-10.0, -10.0), (-10.0, 10.0), (10.0, 10.0), (10.0, -10.0)];
+    /// (north, east) in m.
+    type Pair = (f64, f64);
 
-    fn polygon(corners: &[Place]) -> Shape {
-        Shape::Polygon(corners.to_vec())
+    const SQUARE: [Pair; 4] = [(-10.0, -10.0), (-10.0, 10.0), (10.0, 10.0), (10.0, -10.0)];
+
+    fn at((x, y): Pair) -> Place {
+        Place::new(x, y)
     }
 
-    fn cross((ax, ay): Place, (bx, by): Place) -> f64 {
+    fn polygon(corners: &[Pair]) -> Shape {
+        Shape::Polygon(corners.iter().copied().map(at).collect())
+    }
+
+    fn cross((ax, ay): Pair, (bx, by): Pair) -> f64 {
         ax * by - ay * bx
     }
 
     /// How often the polygon goes round the place, by the angles at which its corners are seen.
-    fn turns(corners: &[Place], (x, y): Place) -> i64 {
-        let seen = |corner: Place| (corner.0 - x, corner.1 - y);
-        let angle = |from: Place, to: Place| libm::atan2(cross(from, to), from.0 * to.0 + from.1 * to.1);
+    fn turns(corners: &[Pair], (x, y): Pair) -> i64 {
+        let seen = |corner: Pair| (corner.0 - x, corner.1 - y);
+        let angle = |from: Pair, to: Pair| libm::atan2(cross(from, to), from.0 * to.0 + from.1 * to.1);
         let next = corners.iter().cycle().skip(1);
         let sum: f64 = corners.iter().zip(next).map(|(from, to)| angle(seen(*from), seen(*to))).sum();
         (sum / TAU).round() as i64
     }
 
-    fn corners() -> impl Strategy<Value = Vec<Place>> {
+    fn corners() -> impl Strategy<Value = Vec<Pair>> {
         prop::collection::vec((-100.0..100.0f64, -100.0..100.0f64), 3..20)
     }
 
     proptest! {
         /// Any polygon, crossing itself or not: inside where it goes round an odd number of times.
         #[test]
-        fn inside_is_where_it_goes_round_an_odd_number_of_times(corners in corners(), place in (-120.0..120.0f64, -120.0..120.0f64)) {
-            prop_assert_eq!(polygon(&corners).contains(place), turns(&corners, place) % 2 != 0);
+        fn inside_is_where_it_goes_round_an_odd_number_of_times(
+            corners in corners(), place in (-120.0..120.0f64, -120.0..120.0f64),
+        ) {
+            prop_assert_eq!(polygon(&corners).contains(at(place)), turns(&corners, place) % 2 != 0);
         }
 
         #[test]
@@ -127,19 +135,20 @@ mod tests {
             let expected = turns(&corners, place) % 2 != 0;
             let mut other = corners.clone();
             other.rotate_left(first % corners.len());
-            prop_assert_eq!(polygon(&other).contains(place), expected);
+            prop_assert_eq!(polygon(&other).contains(at(place)), expected);
             other.reverse();
-            prop_assert_eq!(polygon(&other).contains(place), expected);
+            prop_assert_eq!(polygon(&other).contains(at(place)), expected);
             other.push(other[0]);
-            prop_assert_eq!(polygon(&other).contains(place), expected);
+            prop_assert_eq!(polygon(&other).contains(at(place)), expected);
         }
 
         /// Neighbours share edges, and every place is in one of them: none falls between, none is in both.
         #[test]
         fn a_place_on_a_common_edge_is_on_one_side_of_it(place in (-10.0..10.0f64, -10.0..10.0f64), on_edge in 0..3u8) {
-            let (west, east) = ([(-11.0, -11.0), (11.0, -11.0), (11.0, 0.0), (-11.0, 0.0)], [(-11.0, 0.0), (11.0, 0.0), (11.0, 11.0), (-11.0, 11.0)]);
+            let west = [(-11.0, -11.0), (11.0, -11.0), (11.0, 0.0), (-11.0, 0.0)];
+            let east = [(-11.0, 0.0), (11.0, 0.0), (11.0, 11.0), (-11.0, 11.0)];
             let place = if on_edge == 0 { (place.0, 0.0) } else { place };
-            prop_assert!(polygon(&west).contains(place) != polygon(&east).contains(place));
+            prop_assert!(polygon(&west).contains(at(place)) != polygon(&east).contains(at(place)));
         }
     }
 
@@ -147,14 +156,14 @@ mod tests {
     fn a_polygon_that_touches_itself_in_a_corner_has_two_rooms() {
         let hourglass = polygon(&[(0.0, 0.0), (10.0, -5.0), (10.0, 5.0), (0.0, 0.0), (-10.0, 5.0), (-10.0, -5.0)]);
         for (place, inside) in [((8.0, 0.0), true), ((-8.0, 0.0), true), ((0.5, 4.0), false), ((0.0, -1.0), false)] {
-            assert_eq!(hourglass.contains(place), inside, "{place:?}");
+            assert_eq!(hourglass.contains(at(place)), inside, "{place:?}");
         }
     }
 
     #[test]
     fn what_is_forbidden() {
-        let near = Shape::Circle { centre: (0.0, 0.0), radius_m: 20.0 };
-        let hole = Shape::Circle { centre: (0.0, 0.0), radius_m: 2.0 };
+        let near = Shape::Circle { centre: Place::zeros(), radius_m: 20.0 };
+        let hole = Shape::Circle { centre: Place::zeros(), radius_m: 2.0 };
         let area = Area { inclusions: vec![polygon(&SQUARE), near], exclusions: vec![hole], return_point: None };
         for (place, of_all, of_any) in [
             ((5.0, 5.0), false, false),
@@ -162,19 +171,19 @@ mod tests {
             ((15.0, 0.0), true, false),
             ((25.0, 0.0), true, true),
         ] {
-            assert_eq!((area.forbids(place, false), area.forbids(place, true)), (of_all, of_any), "{place:?}");
+            assert_eq!((area.forbids(at(place), false), area.forbids(at(place), true)), (of_all, of_any), "{place:?}");
         }
-        assert!(!Area::default().forbids((1e6, 0.0), false) && !Area::default().forbids((1e6, 0.0), true));
+        assert!(!Area::default().forbids(at((1e6, 0.0)), false) && !Area::default().forbids(at((1e6, 0.0)), true));
     }
 
     #[test]
     fn the_way_back_is_the_return_point_or_the_middle() {
         let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (2.0, 10.0)];
         let mut area = Area { inclusions: vec![polygon(&corners)], ..Area::default() };
-        assert_eq!(area.way_back(), Some((10.0, 5.0)));
-        area.return_point = Some((1.0, 2.0));
-        assert_eq!(area.way_back(), Some((1.0, 2.0)));
-        let hole = Shape::Circle { centre: (0.0, 0.0), radius_m: 2.0 };
+        assert_eq!(area.way_back(), Some(at((10.0, 5.0))));
+        area.return_point = Some(at((1.0, 2.0)));
+        assert_eq!(area.way_back(), Some(at((1.0, 2.0))));
+        let hole = Shape::Circle { centre: Place::zeros(), radius_m: 2.0 };
         assert_eq!(Area { exclusions: vec![hole], ..Area::default() }.way_back(), None);
     }
 }

@@ -1,9 +1,13 @@
 //! A fence as it is uploaded: its items, checked as ArduPilot checks them, and the area that they make.
 
 use super::area::{Area, Place, Shape};
+use crate::error::PlanError;
 use flight_model::{Geodetic, LocalFrame};
 use mavlink_bridge::PlanItem;
-use mavlink_bridge::dialect::{MavCmd, MavMissionResult};
+use mavlink_bridge::dialect::MavCmd;
+
+/// Most items of a fence: a polygon of as many corners as one can have. ArduPilot's larger boards keep 84.
+pub(crate) const ITEMS_MAX: u16 = 255;
 
 const RETURN_POINT: u16 = MavCmd::MAV_CMD_NAV_FENCE_RETURN_POINT as u32 as u16;
 const POLYGON_INCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION as u32 as u16;
@@ -14,20 +18,19 @@ const CIRCLE_EXCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION as u32 
 /// Most corners of one polygon.
 const CORNERS_MAX: f32 = 255.0;
 
-/// Whether an item can be part of a fence; the result code that says why not. Param 1 is a number of corners or a radius.
-pub(crate) fn check(item: &PlanItem) -> Result<(), MavMissionResult> {
+/// Whether an item can be part of a fence; the result code that says why not. Param 1 is a number of corners or a
+/// radius.
+pub(crate) fn check(item: &PlanItem) -> Result<(), PlanError> {
     if item.altitude_datum().is_none() {
-        return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME);
+        return Err(PlanError::UnsupportedFrame);
     }
     let p1 = item.params[0];
     match item.command {
         RETURN_POINT => Ok(()),
         POLYGON_INCLUSION | POLYGON_EXCLUSION if p1.is_finite() && p1 <= CORNERS_MAX => Ok(()),
         CIRCLE_INCLUSION | CIRCLE_EXCLUSION if p1.is_finite() => Ok(()),
-        POLYGON_INCLUSION | POLYGON_EXCLUSION | CIRCLE_INCLUSION | CIRCLE_EXCLUSION => {
-            Err(MavMissionResult::MAV_MISSION_INVALID_PARAM1)
-        }
-        _ => Err(MavMissionResult::MAV_MISSION_UNSUPPORTED),
+        POLYGON_INCLUSION | POLYGON_EXCLUSION | CIRCLE_INCLUSION | CIRCLE_EXCLUSION => Err(PlanError::InvalidParam(1)),
+        _ => Err(PlanError::Unsupported),
     }
 }
 
@@ -43,7 +46,7 @@ pub(super) fn as_kept(item: &PlanItem) -> PlanItem {
 }
 
 /// The area that checked items make, or, in ArduPilot's words, why they make none.
-pub(crate) fn area(items: &[PlanItem], frame: &LocalFrame) -> Result<Area, String> {
+pub(super) fn area(items: &[PlanItem], frame: &LocalFrame) -> Result<Area, PlanError> {
     let mut area = Area::default();
     let mut rest = items;
     while let Some(item) = rest.first() {
@@ -51,14 +54,14 @@ pub(crate) fn area(items: &[PlanItem], frame: &LocalFrame) -> Result<Area, Strin
         let taken = match item.command {
             RETURN_POINT => {
                 if area.return_point.replace(place).is_some() {
-                    return Err("Multiple return points".into());
+                    return Err(PlanError::ReturnPoints);
                 }
                 1
             }
             CIRCLE_INCLUSION | CIRCLE_EXCLUSION => {
                 let radius_m = f64::from(item.params[0]);
                 if radius_m <= 0.0 {
-                    return Err("Non-positive circle radius".into());
+                    return Err(PlanError::Radius);
                 }
                 let circle = Shape::Circle { centre: place, radius_m };
                 let shapes = if item.command == CIRCLE_INCLUSION { &mut area.inclusions } else { &mut area.exclusions };
@@ -80,7 +83,7 @@ pub(crate) fn area(items: &[PlanItem], frame: &LocalFrame) -> Result<Area, Strin
 }
 
 /// Whether checked items make a fence anywhere.
-pub(crate) fn check_whole(items: &[PlanItem]) -> Result<(), String> {
+pub(crate) fn check_whole(items: &[PlanItem]) -> Result<(), PlanError> {
     let anywhere = Geodetic { latitude_deg: 0.0, longitude_deg: 0.0, altitude_amsl_m: 0.0 };
     area(items, &LocalFrame::new(anywhere)).map(drop)
 }
@@ -95,7 +98,7 @@ pub(crate) fn total(items: &[PlanItem]) -> usize {
 }
 
 /// The corners of the polygon that begins the items. Every corner says how many there are.
-fn corners(items: &[PlanItem], frame: &LocalFrame) -> Result<Vec<Place>, String> {
+fn corners(items: &[PlanItem], frame: &LocalFrame) -> Result<Vec<Place>, PlanError> {
     let Some(first) = items.first() else { return Ok(Vec::new()) };
     let stated = |item: &PlanItem| item.params[0] as u8;
     let wanted = stated(first);
@@ -104,26 +107,26 @@ fn corners(items: &[PlanItem], frame: &LocalFrame) -> Result<Vec<Place>, String>
         let count = stated(item);
         let is_corner = matches!(item.command, POLYGON_INCLUSION | POLYGON_EXCLUSION);
         if is_corner && count < 3 {
-            return Err(format!("Invalid vertex count ({count})"));
+            return Err(PlanError::TooFewVertices(count));
         }
         if item.command != first.command {
-            let name = if is_corner { "vertex type" } else { "type" };
-            return Err(format!("Received incorrect {name} (want={} got={})", first.command, item.command));
+            let what = if is_corner { "vertex type" } else { "type" };
+            return Err(PlanError::Command { what, wanted: first.command, got: item.command });
         }
         if count != wanted {
-            return Err(format!("Unexpected vertex count want={wanted} got={count}"));
+            return Err(PlanError::VertexCount { wanted, got: count });
         }
         corners.push(place(item, frame)?);
     }
-    if corners.len() < usize::from(wanted) { Err("Incorrect item count".into()) } else { Ok(corners) }
+    if corners.len() < usize::from(wanted) { Err(PlanError::ItemCount) } else { Ok(corners) }
 }
 
-fn place(item: &PlanItem, frame: &LocalFrame) -> Result<Place, String> {
+fn place(item: &PlanItem, frame: &LocalFrame) -> Result<Place, PlanError> {
     if !item.position().is_valid() {
-        return Err("Bad lat or lon".into());
+        return Err(PlanError::Position);
     }
     let (north_m, east_m, _) = frame.to_local(&item.position().to_geodetic(frame.origin().altitude_amsl_m));
-    Ok((north_m, east_m))
+    Ok(Place::new(north_m, east_m))
 }
 
 #[cfg(test)]
@@ -136,7 +139,7 @@ mod tests {
         PlanItem { command, params: [p1, 0.0, 0.0, 0.0], latitude_e7, longitude_e7, ..PlanItem::default() }
     }
 
-    fn made(items: &[PlanItem]) -> Result<Area, String> {
+    fn made(items: &[PlanItem]) -> Result<Area, PlanError> {
         area(items, &VehicleSettings::default().frame)
     }
 
@@ -147,8 +150,7 @@ mod tests {
         let area = made(&[&triangle[..], &[item(POLYGON_EXCLUSION, 4.9); 4], &rest].concat()).unwrap();
         assert!(matches!(&area.inclusions[..], [Shape::Polygon(corners)] if corners.len() == 3));
         assert!(matches!(&area.exclusions[..], [Shape::Polygon(corners), Shape::Circle { .. }] if corners.len() == 4));
-        let (north_m, east_m) = area.return_point.unwrap();
-        assert!(north_m.abs() < 0.02 && east_m.abs() < 0.02);
+        assert!(area.return_point.unwrap().amax() < 0.02);
         assert_eq!(made(&[]), Ok(Area::default()));
         assert_eq!(total(&[&triangle[..], &[item(RETURN_POINT, 0.0)]].concat()), 5);
         assert_eq!((total(&triangle), total(&rest), total(&[])), (5, 0, 0));
@@ -174,7 +176,7 @@ mod tests {
             (vec![item(RETURN_POINT, 0.0); 2], "Multiple return points"),
             (vec![bad], "Bad lat or lon"),
         ] {
-            assert_eq!(made(&items), Err(words.to_owned()));
+            assert_eq!(made(&items).unwrap_err().to_string(), words);
         }
     }
 
@@ -182,11 +184,11 @@ mod tests {
     fn what_cannot_be_part_of_a_fence_is_refused_by_its_code() {
         assert_eq!(check(&item(RETURN_POINT, f32::NAN)), Ok(()));
         for (item, result) in [
-            (item(16, 0.0), MavMissionResult::MAV_MISSION_UNSUPPORTED),
-            (PlanItem { frame: 1, ..item(RETURN_POINT, 0.0) }, MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME),
-            (item(POLYGON_EXCLUSION, 256.0), MavMissionResult::MAV_MISSION_INVALID_PARAM1),
-            (item(POLYGON_INCLUSION, f32::NAN), MavMissionResult::MAV_MISSION_INVALID_PARAM1),
-            (item(CIRCLE_EXCLUSION, f32::INFINITY), MavMissionResult::MAV_MISSION_INVALID_PARAM1),
+            (item(16, 0.0), PlanError::Unsupported),
+            (PlanItem { frame: 1, ..item(RETURN_POINT, 0.0) }, PlanError::UnsupportedFrame),
+            (item(POLYGON_EXCLUSION, 256.0), PlanError::InvalidParam(1)),
+            (item(POLYGON_INCLUSION, f32::NAN), PlanError::InvalidParam(1)),
+            (item(CIRCLE_EXCLUSION, f32::INFINITY), PlanError::InvalidParam(1)),
         ] {
             assert_eq!(check(&item), Err(result), "{item:?}");
         }

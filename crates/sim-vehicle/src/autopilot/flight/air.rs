@@ -1,10 +1,8 @@
-//! Flying in air that moves. Speeds that are held are airspeeds, courses are over ground; in still air both are the same,
-//! to the last bit.
+//! Air that moves. Speeds that are held are airspeeds, courses are over ground; in still air both are the same, to the
+//! last bit.
 
-use super::Flight;
-use super::ground::Contact;
-use super::guidance::Direction;
-use flight_model::{Setpoint, State, Wind, wrap_pi};
+use flight_model::{Dynamics, Setpoint, State, Wind, wrap_pi};
+use nalgebra::Vector2;
 
 /// The air round the vehicle, and what its autopilot knows of it.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +14,7 @@ pub(super) struct Air {
     /// As the autopilot reckons with it: as it is, while a GPS tells where the air carries the vehicle.
     known: Wind,
     /// How far the place where the vehicle believes to be is from where it is, (north, east) in m.
-    astray_m: (f64, f64),
+    astray_m: Vector2<f64>,
     /// The state before the last step, in the wind of that step.
     before: State,
 }
@@ -24,139 +22,106 @@ pub(super) struct Air {
 impl Air {
     /// Still, round a vehicle that has just begun.
     pub fn at(start: &State) -> Self {
-        Self { outside: Wind::CALM, wind: Wind::CALM, known: Wind::CALM, astray_m: (0.0, 0.0), before: *start }
+        Self { outside: Wind::CALM, wind: Wind::CALM, known: Wind::CALM, astray_m: Vector2::zeros(), before: *start }
     }
-}
 
-impl Flight {
-    /// The air of the next step; on the rail and on the ground it is not felt. `known` is the wind that the autopilot
-    /// reckons with; none: it sees its way over ground.
-    pub fn feel(&mut self, wind: Wind, known: Option<Wind>) {
-        if self.contact != Contact::Air {
-            self.air = Air { outside: wind, ..Air::at(&self.state) };
-            return;
-        }
-        self.air.outside = wind;
-        // A gust from below takes the vehicle along; its altitude loop brings it back.
-        self.state.climb_mps += wind.up_mps - self.air.wind.up_mps;
-        self.air.wind = wind;
-        self.air.known = known.unwrap_or(wind);
+    /// Outside a vehicle that stands on its rail or on the ground.
+    pub fn outside(state: &State, wind: Wind) -> Self {
+        Self { outside: wind, ..Self::at(state) }
+    }
+
+    /// The air of the next step in the air; gives the rate of climb, m/s, that a gust from below adds. `known` is the
+    /// wind that the autopilot reckons with; none: it sees its way over ground.
+    pub fn feel(&mut self, wind: Wind, known: Option<Wind>) -> f64 {
+        self.outside = wind;
+        let lifted_mps = wind.up_mps - self.wind.up_mps;
+        self.wind = wind;
+        self.known = known.unwrap_or(wind);
         if known.is_none() {
-            self.air.astray_m = (0.0, 0.0);
+            self.astray_m = Vector2::zeros();
         }
+        lifted_mps
     }
 
-    /// Where and how fast the vehicle believes to be: its true state, unless it has to reckon with a wind that it does not
-    /// see.
-    pub fn estimate(&self) -> State {
-        let Air { wind, known, astray_m: (north_m, east_m), .. } = self.air;
-        if known == wind && (north_m, east_m) == (0.0, 0.0) {
-            return self.state;
+    /// As the vehicle feels it.
+    pub fn wind(&self) -> &Wind {
+        &self.wind
+    }
+
+    /// A state as the air sees it: airspeed and heading in the place of speed and course over ground.
+    pub fn see(&self, state: &State) -> State {
+        state.in_air(&self.wind)
+    }
+
+    /// Where and how fast a vehicle in a state believes to be: there, unless it has to reckon with a wind that it does
+    /// not see.
+    pub fn estimate(&self, state: &State) -> State {
+        let astray_m = self.astray_m;
+        if self.known == self.wind && astray_m == Vector2::zeros() {
+            return *state;
         }
-        let moving = self.state.in_air(&wind).over_ground(&known);
-        State { x_m: self.state.x_m + north_m, y_m: self.state.y_m + east_m, ..moving }
+        let moving = state.in_air(&self.wind).over_ground(&self.known);
+        State { x_m: state.x_m + astray_m.x, y_m: state.y_m + astray_m.y, ..moving }
     }
 
     /// The airspeed, m/s, that a run on the ground would take off with: against the wind it is faster.
-    pub(super) fn lift_off_speed_mps(&self) -> f64 {
-        let (sin, cos) = libm::sincos(self.state.course_rad);
-        self.state.speed_mps - self.air.outside.north_mps * cos - self.air.outside.east_mps * sin
-    }
-
-    /// Speed through the air, m/s, true.
-    pub fn airspeed_mps(&self) -> f64 {
-        self.in_air().speed_mps
-    }
-
-    /// Where its nose points, rad.
-    pub fn heading_rad(&self) -> f64 {
-        self.in_air().course_rad
-    }
-
-    /// The state as the air sees it: airspeed and heading in the place of speed and course over ground.
-    pub fn in_air(&self) -> State {
-        self.state.in_air(&self.air.wind)
+    pub fn lift_off_speed_mps(&self, state: &State) -> f64 {
+        let (sin, cos) = libm::sincos(state.course_rad);
+        state.speed_mps - self.outside.north_mps * cos - self.outside.east_mps * sin
     }
 
     /// Rate of turn that the loops have flown over the last step, rad/s: what a gust does to the heading is no turn.
-    pub fn turn_rate_radps(&self) -> f64 {
-        wrap_pi(self.heading_rad() - self.air.before.in_air(&self.air.wind).course_rad) / self.autopilot.step_s()
+    pub fn turn_rate_radps(&self, state: &State, step_s: f64) -> f64 {
+        wrap_pi(self.see(state).course_rad - self.see(&self.before).course_rad) / step_s
     }
 
     /// Acceleration over the last step, (north, east, up) in m/s2.
-    pub fn acceleration_mps2(&self) -> [f64; 3] {
-        let change_mps = self.state.velocity_mps() - self.air.before.velocity_mps();
-        let climb_mps = self.state.climb_mps - self.air.before.climb_mps;
-        [change_mps.x, change_mps.y, climb_mps].map(|change| change / self.autopilot.step_s())
+    pub fn acceleration_mps2(&self, state: &State, step_s: f64) -> [f64; 3] {
+        let (now, before) = (state.velocity_mps(), self.before.velocity_mps());
+        let climb_mps = state.climb_mps - self.before.climb_mps;
+        [now.x - before.x, now.y - before.y, climb_mps].map(|change| change / step_s)
     }
 
-    /// Power that the speed asked for needs in level flight, as a share of the motor's greatest.
-    pub fn power_needed(&self) -> f64 {
-        let share = self.speed.target / self.dynamics.limits.speed_max_mps;
-        (share * share * share).clamp(0.0, 1.0)
+    /// A step begins at a state.
+    pub fn remember(&mut self, before: &State) {
+        self.before = *before;
     }
 
-    /// Power that the motor gives, as a share of its greatest: drag grows with the cube of the airspeed, and a climb costs.
-    pub fn power_share(&self) -> f64 {
-        let limits = self.dynamics.limits;
-        let speed = self.airspeed_mps() / limits.speed_max_mps;
-        let climb = self.state.climb_mps / limits.climb_max_mps;
-        (speed * speed * speed + 0.5 * climb).clamp(0.0, 1.0)
+    /// The vehicle has been carried for a step by a wind that it may not know.
+    pub fn carry(&mut self, step_s: f64) {
+        self.astray_m.x += step_s * (self.known.north_mps - self.wind.north_mps);
+        self.astray_m.y += step_s * (self.known.east_mps - self.wind.east_mps);
     }
 
-    /// Bank, rad, of a coordinated turn: the lift's horizontal part is the centripetal force.
-    pub fn roll_rad(&self) -> f64 {
-        libm::atan(self.airspeed_mps() * self.turn_rate_radps() / self.dynamics.limits.gravity_mps2)
-    }
-
-    /// Speed over ground, m/s, by the airspeed that gives it, within the limits.
-    pub fn set_ground_speed(&mut self, speed_mps: f64) {
-        self.set_speed(speed_mps, f64::INFINITY);
-        self.speed_is_over_ground = true;
-    }
-
-    /// Heading, rad, turned to with no more than a lateral acceleration in m/s2; the wind carries the course away.
-    pub fn set_heading(&mut self, heading_rad: f64, lateral_acceleration_mps2: f64) {
-        self.set_course(heading_rad, lateral_acceleration_mps2);
-        self.direction = Direction::Heading(heading_rad);
-    }
-
-    /// One step without them, on the ground.
-    pub(super) fn roll_to(&mut self, state: State) {
-        self.air.before = self.state;
-        self.state = state;
-    }
-
-    /// One step of the loops.
-    pub(super) fn fly(&mut self, setpoint: &Setpoint) {
-        let (wind, known, step_s) = (self.air.wind, self.air.known, self.autopilot.step_s());
-        let setpoint = self.through_the_air(setpoint, self.airspeed_mps());
-        self.air.before = self.state;
-        self.state = self.autopilot.step_in_wind(&self.state, &setpoint, &wind);
-        self.air.astray_m.0 += step_s * (known.north_mps - wind.north_mps);
-        self.air.astray_m.1 += step_s * (known.east_mps - wind.east_mps);
-    }
-
-    /// A setpoint of what is wanted as airspeed and heading, by the wind triangle. The heading lags behind its setpoint by the
-    /// time constant of its loop: the airspeed of then counts, or each gust would turn the course while the airspeed
-    /// settles.
-    fn through_the_air(&self, setpoint: &Setpoint, airspeed_mps: f64) -> Setpoint {
-        let known = self.air.known;
+    /// A setpoint of what is wanted as airspeed and heading, by the wind triangle. The heading lags behind its setpoint
+    /// by the time constant of its loop: the airspeed of then counts, or each gust would turn the course while the
+    /// airspeed settles.
+    pub fn through(&self, setpoint: &Setpoint, wanted: Wanted, airspeed_mps: f64, dynamics: &Dynamics) -> Setpoint {
+        let known = self.known;
         if known.north_mps == 0.0 && known.east_mps == 0.0 {
             return *setpoint;
         }
-        let limits = self.dynamics.limits;
+        let limits = dynamics.limits;
         let mut through = *setpoint;
-        if self.speed_is_over_ground {
+        if wanted.is_ground_speed {
             let (wanted_mps, _) = known.air_velocity(setpoint.speed_mps, setpoint.course_rad);
             through.speed_mps = wanted_mps.clamp(limits.speed_min_mps, limits.speed_max_mps);
         }
-        if !matches!(self.direction, Direction::Heading(_)) {
-            let tau = self.dynamics.time_constants;
+        if !wanted.is_heading {
+            let tau = dynamics.time_constants;
             let settling_mps = through.speed_mps.clamp(limits.speed_min_mps, limits.speed_max_mps) - airspeed_mps;
             let then_mps = airspeed_mps + settling_mps * (tau.course_s / tau.speed_s).min(1.0);
             through.course_rad = known.heading_rad(setpoint.course_rad, then_mps);
         }
         through
     }
+}
+
+/// What a setpoint means in air that moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// The speed is over ground, not through the air.
+    pub is_ground_speed: bool,
+    /// The course is where the nose points.
+    pub is_heading: bool,
 }

@@ -1,14 +1,14 @@
 //! Landing at a place: down a glide slope, a flare, and onto the ground.
 
-use super::{Flight, Stage};
 use flight_model::{Setpoint, State};
+use nalgebra::Vector2;
 use std::f64::consts::PI;
 
 /// A landing that is under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Landing {
     /// Where to, (north, east) in m.
-    at: (f64, f64),
+    at: Vector2<f64>,
     /// Altitude until the glide slope is met, m above the origin.
     approach_altitude_m: f64,
     leg: Leg,
@@ -37,51 +37,66 @@ const FLARE_HEIGHT_M: f64 = 3.0;
 /// Rate of descent at the end of the flare, m/s.
 const TOUCH_DOWN_SINK_MPS: f64 = 0.3;
 
-impl Flight {
-    /// Lands at a place, (north, east) in m, on the course from here to there.
-    pub fn land_at(&mut self, at: (f64, f64)) {
-        self.fly_to(at);
-        self.stage = Stage::Landing(Landing { at, approach_altitude_m: self.state.altitude_m, leg: Leg::Approach });
+/// What a landing sees of the flight.
+pub(super) struct View<'a> {
+    pub state: &'a State,
+    /// Altitude of the ground, m above the origin.
+    pub ground_m: f64,
+    /// The least airspeed, m/s.
+    pub least_mps: f64,
+    /// By how long the altitude loop lags behind a setpoint that moves, s.
+    pub altitude_lag_s: f64,
+}
+
+impl View<'_> {
+    fn altitude_to_climb_at(&self, climb_mps: f64) -> f64 {
+        self.state.altitude_m + climb_mps * self.altitude_lag_s
+    }
+}
+
+impl Landing {
+    /// To a place, (north, east) in m, from an altitude.
+    pub fn new(at: Vector2<f64>, altitude_m: f64) -> Self {
+        Self { at, approach_altitude_m: altitude_m, leg: Leg::Approach }
     }
 
-    /// The setpoint of a landing, where `setpoint` would go straight there.
-    pub(super) fn land(&mut self, mut landing: Landing, setpoint: &Setpoint) -> Setpoint {
-        let state = self.state;
-        let (north, east) = (landing.at.0 - state.x_m, landing.at.1 - state.y_m);
-        let distance_m = (north * north + east * east).sqrt();
-        let bearing_rad = if distance_m > 1e-6 { libm::atan2(east, north) } else { state.course_rad };
-        let height_m = state.altitude_m - self.ground_m();
-        let (slope_end_m, above_m) = (flare_distance_m(FLARE_HEIGHT_M, &state), height_m - FLARE_HEIGHT_M);
-        landing.leg = match landing.leg {
+    /// Its setpoint of this moment, where `setpoint` would go straight there.
+    pub fn setpoint(&mut self, view: &View<'_>, setpoint: &Setpoint) -> Setpoint {
+        let state = view.state;
+        let way = self.at - state.position_m();
+        let distance_m = way.norm();
+        let bearing_rad = if distance_m > 1e-6 { libm::atan2(way.y, way.x) } else { state.course_rad };
+        let height_m = state.altitude_m - view.ground_m;
+        let (slope_end_m, above_m) = (flare_distance_m(FLARE_HEIGHT_M, state), height_m - FLARE_HEIGHT_M);
+        self.leg = match self.leg {
             Leg::Flare(course_rad) => Leg::Flare(course_rad),
-            _ if above_m <= 0.0 && distance_m <= flare_distance_m(height_m, &state) => Leg::Flare(bearing_rad),
+            _ if above_m <= 0.0 && distance_m <= flare_distance_m(height_m, state) => Leg::Flare(bearing_rad),
             Leg::Approach if above_m > FLARE_HEIGHT_M + STEEPEST * (distance_m - slope_end_m).max(0.0) => Leg::Away,
             Leg::Away if above_m <= SLOPE * (distance_m - slope_end_m) => {
-                landing.approach_altitude_m = state.altitude_m;
+                self.approach_altitude_m = state.altitude_m;
                 Leg::Approach
             }
             leg => leg,
         };
-        self.stage = Stage::Landing(landing);
-        let approach_mps = 0.5 * (self.dynamics.limits.speed_min_mps + setpoint.speed_mps);
-        match landing.leg {
+        let approach_mps = 0.5 * (view.least_mps + setpoint.speed_mps);
+        match self.leg {
             Leg::Away => Setpoint {
                 speed_mps: setpoint.speed_mps,
                 course_rad: bearing_rad + PI,
-                altitude_m: self.altitude_to_climb_at(-SINK_MAX_MPS).max(self.ground_m() + AWAY_HEIGHT_M),
+                altitude_m: view.altitude_to_climb_at(-SINK_MAX_MPS).max(view.ground_m + AWAY_HEIGHT_M),
             },
             Leg::Approach => {
-                let glide_m = self.ground_m() + FLARE_HEIGHT_M + SLOPE * (distance_m - slope_end_m).max(0.0);
-                let altitude_m = if glide_m < landing.approach_altitude_m {
-                    let led_m = glide_m + self.altitude_to_climb_at(-SLOPE * state.speed_mps) - state.altitude_m;
-                    led_m.max(self.altitude_to_climb_at(-SINK_MAX_MPS))
+                let glide_m = view.ground_m + FLARE_HEIGHT_M + SLOPE * (distance_m - slope_end_m).max(0.0);
+                let altitude_m = if glide_m < self.approach_altitude_m {
+                    let led_m = glide_m + view.altitude_to_climb_at(-SLOPE * state.speed_mps) - state.altitude_m;
+                    led_m.max(view.altitude_to_climb_at(-SINK_MAX_MPS))
                 } else {
-                    landing.approach_altitude_m
+                    self.approach_altitude_m
                 };
                 Setpoint { speed_mps: approach_mps, course_rad: setpoint.course_rad, altitude_m }
             }
             Leg::Flare(course_rad) => {
-                let altitude_m = self.altitude_to_climb_at(-flare_sink_mps(height_m, &state));
+                let altitude_m = view.altitude_to_climb_at(-flare_sink_mps(height_m, state));
                 Setpoint { speed_mps: approach_mps, course_rad, altitude_m }
             }
         }

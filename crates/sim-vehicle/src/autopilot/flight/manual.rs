@@ -1,8 +1,7 @@
 //! Flying by the sticks: bank, climb and speed, through the same three loops.
 
-use super::{Flight, Ramp};
 use crate::mode::Mode;
-use flight_model::Setpoint;
+use flight_model::{Dynamics, Setpoint, State};
 
 /// Where the sticks are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,61 +23,37 @@ const SLOPE: f64 = 0.364;
 /// Throttle above which a vehicle on the ground rolls.
 const IDLE: f64 = 0.1;
 
-impl Flight {
-    /// What the sticks say from now on; none: nobody holds any. Who lets go of one goes on as it is.
-    pub fn set_sticks(&mut self, sticks: Option<Sticks>) {
-        let before = std::mem::replace(&mut self.sticks, sticks);
-        if before == sticks || !self.is_flown_by_hand() {
-            return;
-        }
-        let held = |sticks: Option<Sticks>, stick: fn(Sticks) -> f64| sticks.is_some_and(|s| stick(s) != 0.0);
-        if held(before, |s| s.roll) && !held(sticks, |s| s.roll) {
-            self.hold_course();
-        }
-        if held(before, |s| s.pitch) && !held(sticks, |s| s.pitch) {
-            self.altitude = Ramp::at(self.state.altitude_m);
-        }
-        if let Some(throttle) = sticks.and_then(|sticks| sticks.throttle) {
-            let limits = self.dynamics.limits;
-            self.set_speed(
-                limits.speed_min_mps + throttle * (limits.speed_max_mps - limits.speed_min_mps),
-                f64::INFINITY,
-            );
-        }
+impl Sticks {
+    /// Whether they make a vehicle roll on the ground.
+    pub(super) fn make_roll(&self) -> bool {
+        self.throttle.is_some_and(|throttle| throttle > IDLE)
     }
 
-    fn is_flown_by_hand(&self) -> bool {
-        matches!(self.mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise)
-    }
-
-    /// The sticks, in the modes that they fly.
-    fn hands(&self) -> Option<Sticks> {
-        self.sticks.filter(|_| self.is_flown_by_hand())
-    }
-
-    /// Whether the sticks make it roll on the ground, and whether they lift it off.
-    pub(super) fn hands_take_off(&self) -> (bool, bool) {
-        let hands = self.hands();
-        (
-            hands.is_some_and(|sticks| sticks.throttle.is_some_and(|throttle| throttle > IDLE)),
-            hands.is_some_and(|sticks| sticks.pitch > 0.0),
-        )
+    /// Whether they lift it off.
+    pub(super) fn lift(&self) -> bool {
+        self.pitch > 0.0
     }
 
     /// A setpoint with what the sticks ask for in the place of what was held.
-    pub(super) fn by_hand(&self, mut setpoint: Setpoint) -> Setpoint {
-        let Some(sticks) = self.hands() else { return setpoint };
-        let airspeed_mps = self.airspeed_mps();
-        if sticks.roll != 0.0 {
-            let gravity_mps2 = self.dynamics.limits.gravity_mps2;
-            let turn_rate_radps = gravity_mps2 * libm::tan(sticks.roll * BANK_MAX_RAD) / airspeed_mps.max(1.0);
+    pub(super) fn steer(
+        &self,
+        mut setpoint: Setpoint,
+        mode: Mode,
+        state: &State,
+        airspeed_mps: f64,
+        dynamics: &Dynamics,
+    ) -> Setpoint {
+        let tau = dynamics.time_constants;
+        if self.roll != 0.0 {
+            let gravity_mps2 = dynamics.limits.gravity_mps2;
+            let turn_rate_radps = gravity_mps2 * libm::tan(self.roll * BANK_MAX_RAD) / airspeed_mps.max(1.0);
             // The course loop turns by its error over its time constant.
-            setpoint.course_rad = self.state.course_rad + turn_rate_radps * self.dynamics.time_constants.course_s;
+            setpoint.course_rad = state.course_rad + turn_rate_radps * tau.course_s;
         }
-        if sticks.pitch != 0.0 {
-            let full_mps =
-                if matches!(self.mode, Mode::Fbwb | Mode::Cruise) { CLIMB_MPS } else { SLOPE * airspeed_mps };
-            setpoint.altitude_m = self.altitude_to_climb_at(sticks.pitch * full_mps);
+        if self.pitch != 0.0 {
+            let full_mps = if matches!(mode, Mode::Fbwb | Mode::Cruise) { CLIMB_MPS } else { SLOPE * airspeed_mps };
+            let climb_mps = self.pitch * full_mps;
+            setpoint.altitude_m = state.altitude_m + climb_mps * (tau.altitude_a_s + tau.altitude_b_s);
         }
         setpoint
     }

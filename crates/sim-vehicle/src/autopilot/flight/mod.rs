@@ -2,26 +2,30 @@
 
 mod air;
 mod circle;
-mod ground;
-mod guidance;
+pub(crate) mod ground;
+pub(crate) mod guidance;
 mod landing;
-mod manual;
+pub(crate) mod manual;
+mod modes;
 mod ramp;
-mod tuning;
+mod steering;
+mod step;
+pub(crate) mod tuning;
 
-pub(crate) use ground::Event;
-pub(crate) use guidance::RallyPlace;
-pub(crate) use manual::Sticks;
-pub(crate) use tuning::{TAKEOFF_ALTITUDE_M, TAKEOFF_TOLERANCE_M, Tuning};
-
+use crate::autopilot::home::Home;
 use crate::mode::Mode;
+use crate::parameters::table::TAKEOFF_ALTITUDE_M;
 use crate::settings::VehicleSettings;
+use crate::world::Motion;
 use air::Air;
-use flight_model::{Autopilot, Dynamics, Setpoint, State, wrap_pi};
+use flight_model::{Autopilot, Dynamics, State, wrap_pi};
 use ground::Contact;
-use guidance::Direction;
+use guidance::{Direction, RallyPlace};
 use landing::Landing;
+use manual::Sticks;
+use nalgebra::Vector2;
 use ramp::Ramp;
+use tuning::Tuning;
 
 /// One vehicle: in the air, on the ground, or motionless on its launch rail until it is armed.
 #[derive(Clone, Debug)]
@@ -30,6 +34,8 @@ pub(crate) struct Flight {
     /// The three loops, with the lateral limit in force (a guided command may lower it).
     autopilot: Autopilot,
     lateral_limit_mps2: f64,
+    /// The flight model within that limit.
+    limited: Dynamics,
     tuning: Tuning,
     start: State,
     state: State,
@@ -43,7 +49,7 @@ pub(crate) struct Flight {
     sticks: Option<Sticks>,
     home: Home,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
-    guided_point: (f64, f64),
+    guided_point: Vector2<f64>,
     rally: Option<RallyPlace>,
     /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
@@ -58,24 +64,6 @@ pub(crate) struct Flight {
     direction: Direction,
 }
 
-/// A place to return to, in the local frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Home {
-    /// North of the origin, m.
-    pub x_m: f64,
-    /// East of the origin, m.
-    pub y_m: f64,
-    /// Above the origin, m.
-    pub altitude_m: f64,
-}
-
-impl Home {
-    /// (north, east) in m.
-    pub fn at(&self) -> (f64, f64) {
-        (self.x_m, self.y_m)
-    }
-}
-
 /// What a flight is in the middle of, beside its mode.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
@@ -85,14 +73,12 @@ enum Stage {
     Landing(Landing),
 }
 
-/// Share of the lift in the drag of a vehicle that glides: it sinks by its speed over this.
-const GLIDE_RATIO: f64 = 10.0;
-
 impl Flight {
     pub fn new(settings: &VehicleSettings) -> Self {
         let start = State { course_rad: wrap_pi(settings.start.course_rad), ..settings.start };
         let mut flight = Self {
             dynamics: settings.dynamics,
+            limited: settings.dynamics,
             autopilot: Autopilot::new(&settings.dynamics, settings.step.as_secs_f64()),
             tuning: Tuning {
                 loiter_radius_m: settings.loiter_radius_m,
@@ -113,7 +99,7 @@ impl Flight {
             stage: Stage::Normal,
             sticks: None,
             home: Home::default(),
-            guided_point: (start.x_m, start.y_m),
+            guided_point: start.position_m(),
             rally: None,
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
@@ -183,13 +169,6 @@ impl Flight {
         self.home
     }
 
-    pub fn set_home(&mut self, home: Home) {
-        self.home = home;
-        if self.mode == Mode::Rtl {
-            self.enter(Mode::Rtl);
-        }
-    }
-
     /// How far it is from the altitude that it is to have, m.
     pub fn altitude_error_m(&self) -> f64 {
         (self.state.altitude_m - self.altitude.target).abs()
@@ -204,209 +183,83 @@ impl Flight {
         self.armed && self.engine_works
     }
 
-    /// Integrates one step; says what has happened in it. On the rail nothing moves.
-    pub fn step(&mut self) -> Option<Event> {
-        match self.contact {
-            Contact::Rail => None,
-            Contact::Ground => {
-                self.step_on_ground();
-                None
-            }
-            Contact::Air => self.step_in_air(),
-        }
-    }
-
-    fn step_in_air(&mut self) -> Option<Event> {
-        if self.is_taking_off() {
-            self.level_off_when_up();
-        }
-        let course_rad = self.guide_rad();
-        let mut setpoint =
-            Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
-        if self.least_ground_speed_mps > 0.0 {
-            let shortfall_mps = self.least_ground_speed_mps - self.state.speed_mps;
-            setpoint.speed_mps = setpoint.speed_mps.max(self.airspeed_mps() + shortfall_mps);
-        }
-        setpoint = self.by_hand(setpoint);
-        if let Stage::Landing(landing) = self.stage {
-            setpoint = self.land(landing, &setpoint);
-        }
-        if !self.is_engine_running() || self.glides {
-            setpoint.speed_mps = self.dynamics.limits.speed_min_mps;
-            setpoint.altitude_m = self.altitude_to_climb_at(-self.airspeed_mps() / GLIDE_RATIO);
-        }
-        self.fly(&setpoint);
-        self.touch_down()
-    }
-
-    /// The altitude setpoint that makes the altitude loop climb at a rate, m/s: it lags by its time constants behind a
-    /// setpoint that moves.
-    fn altitude_to_climb_at(&self, climb_mps: f64) -> f64 {
-        let tau = self.dynamics.time_constants;
-        self.state.altitude_m + climb_mps * (tau.altitude_a_s + tau.altitude_b_s)
-    }
-
-    /// Starts the engine. From the rail it leaves with the start's speed and course; on the ground it stays until its mode
-    /// takes off.
-    pub fn arm(&mut self) {
-        if self.armed {
-            return;
-        }
-        self.armed = true;
-        match self.contact {
-            Contact::Rail => {
-                self.state = self.start;
-                self.contact = Contact::Air;
-            }
-            Contact::Ground => self.enter(self.mode),
-            Contact::Air => {}
-        }
-    }
-
     /// Stops the engine. In the air it glides down, led by its mode still.
     pub fn disarm(&mut self) {
         self.armed = false;
-    }
-
-    /// Changes the mode; asking for the present one changes nothing, as in ArduPlane.
-    pub fn set_mode(&mut self, mode: Mode) {
-        if mode != self.mode {
-            self.glides = false;
-            self.mode = mode;
-            self.enter(mode);
-        }
-    }
-
-    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
-    pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
-        let value = if acceleration_mps2.is_finite() { self.airspeed_when_released_mps() } else { speed_mps };
-        self.speed_is_over_ground = false;
-        self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
-    }
-
-    /// Glides with its engine idle, until another mode is set.
-    pub fn glide(&mut self) {
-        self.glides = true;
-    }
-
-    /// From now on its airspeed rises where its speed over ground, m/s, would be lower.
-    pub fn set_least_ground_speed(&mut self, speed_mps: f64) {
-        self.least_ground_speed_mps = speed_mps;
-    }
-
-    /// Altitude setpoint, m above the origin, reached at no more than a rate in m/s (infinite: at once).
-    pub fn set_altitude(&mut self, altitude_m: f64, rate_mps: f64) {
-        self.altitude_is_slewed = false;
-        let value = if rate_mps.is_finite() { self.state.altitude_m } else { altitude_m };
-        self.altitude = Ramp { value, target: altitude_m, per_step: rate_mps * self.autopilot.step_s() };
-    }
-
-    /// Course setpoint, rad, turned to with no more than a lateral acceleration in m/s2 (or the vehicle's own limit).
-    pub fn set_course(&mut self, course_rad: f64, lateral_acceleration_mps2: f64) {
-        self.stage = Stage::Normal;
-        self.direction = Direction::Course(course_rad);
-        self.limit_lateral_acceleration(lateral_acceleration_mps2);
-    }
-
-    /// Flies by other parameters from now on: a circle whose radius has changed is flown with the new one where it is. In
-    /// AUTO the mission says how wide.
-    pub fn retune(&mut self, tuning: Tuning) {
-        let old_radius_m = self.radius_m();
-        self.tuning = tuning;
-        match self.direction {
-            Direction::Circle(circle) if self.mode != Mode::Auto && self.radius_m() != old_radius_m => {
-                self.circle(circle.centre(), self.radius_m());
-            }
-            _ => self.limit_lateral_acceleration(self.lateral_limit_mps2),
-        }
-        match self.mode {
-            Mode::Loiter | Mode::Circle | Mode::Rtl => self.fly_by_itself(),
-            _ => {}
-        }
     }
 
     pub fn tuning(&self) -> &Tuning {
         &self.tuning
     }
 
-    fn radius_m(&self) -> f64 {
-        if self.mode == Mode::Rtl { self.tuning.rtl_radius_m } else { self.tuning.loiter_radius_m }
+    /// Where and how fast the vehicle believes to be: its true state, unless it has to reckon with a wind that it does
+    /// not see.
+    pub fn estimate(&self) -> State {
+        self.air.estimate(&self.state)
     }
 
-    /// Speed and altitude of the modes that need nobody.
-    fn fly_by_itself(&mut self) {
-        if let Some(speed_mps) = self.tuning.cruise_speed_mps {
-            self.set_speed(speed_mps, f64::INFINITY);
+    /// Where it believes to be, (north, east) in m.
+    pub fn here(&self) -> Vector2<f64> {
+        self.estimate().position_m()
+    }
+
+    /// How far a place is from there, m.
+    pub fn distance_m(&self, place: Vector2<f64>) -> f64 {
+        (place - self.here()).norm()
+    }
+
+    /// The state as the air sees it: airspeed and heading in the place of speed and course over ground.
+    pub fn in_air(&self) -> State {
+        self.air.see(&self.state)
+    }
+
+    /// Speed through the air, m/s, true.
+    pub fn airspeed_mps(&self) -> f64 {
+        self.in_air().speed_mps
+    }
+
+    /// Where its nose points, rad.
+    pub fn heading_rad(&self) -> f64 {
+        self.in_air().course_rad
+    }
+
+    /// Rate of turn that the loops have flown over the last step, rad/s.
+    pub fn turn_rate_radps(&self) -> f64 {
+        self.air.turn_rate_radps(&self.state, self.autopilot.step_s())
+    }
+
+    /// How it moves, as its sensors feel it.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            altitude_m: self.state.altitude_m,
+            climb_mps: self.state.climb_mps,
+            airspeed_mps: self.airspeed_mps(),
+            heading_rad: self.heading_rad(),
+            roll_rad: self.roll_rad(),
+            turn_rate_radps: self.turn_rate_radps(),
+            acceleration_mps2: self.air.acceleration_mps2(&self.state, self.autopilot.step_s()),
+            gravity_mps2: self.dynamics.limits.gravity_mps2,
         }
-        let above_home_m = self.tuning.rtl_altitude_m.map(|altitude_m| self.home.altitude_m + altitude_m);
-        let return_altitude_m = self.rally.map(|rally| rally.altitude_m).or(above_home_m);
-        if let Some(altitude_m) = return_altitude_m.filter(|_| self.mode == Mode::Rtl) {
-            self.set_altitude(altitude_m, f64::INFINITY);
-        }
     }
 
-    fn limit_lateral_acceleration(&mut self, limit_mps2: f64) {
-        self.lateral_limit_mps2 = limit_mps2;
-        self.autopilot = Autopilot::new(&self.limited_dynamics(), self.autopilot.step_s());
+    /// Power that the speed asked for needs in level flight, as a share of the motor's greatest.
+    pub fn power_needed(&self) -> f64 {
+        let share = self.speed.target / self.dynamics.limits.speed_max_mps;
+        (share * share * share).clamp(0.0, 1.0)
     }
 
-    /// The flight model with the least of the lateral limits.
-    fn limited_dynamics(&self) -> Dynamics {
-        let mut dynamics = self.dynamics;
-        let overload = (self.lateral_limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
-        dynamics.limits.lateral_overload_max = overload.min(dynamics.limits.lateral_overload_max);
-        dynamics
+    /// Power that the motor gives, as a share of its greatest: drag grows with the cube of the airspeed, and a climb
+    /// costs.
+    pub fn power_share(&self) -> f64 {
+        let limits = self.dynamics.limits;
+        let speed = self.airspeed_mps() / limits.speed_max_mps;
+        let climb = self.state.climb_mps / limits.climb_max_mps;
+        (speed * speed * speed + 0.5 * climb).clamp(0.0, 1.0)
     }
 
-    /// What it flies now, or will fly when it is released from the rail or has left the ground.
-    fn when_released(&self) -> State {
-        match self.contact {
-            Contact::Rail => self.start,
-            Contact::Ground => State { speed_mps: self.start.speed_mps, ..self.state },
-            Contact::Air => self.state,
-        }
-    }
-
-    fn airspeed_when_released_mps(&self) -> f64 {
-        if self.contact == Contact::Air { self.airspeed_mps() } else { self.start.speed_mps }
-    }
-
-    /// Every mode begins by holding what the vehicle does.
-    fn enter(&mut self, mode: Mode) {
-        let now = self.when_released();
-        self.speed = Ramp::at(self.airspeed_when_released_mps());
-        self.speed_is_over_ground = false;
-        self.altitude = Ramp::at(now.altitude_m);
-        self.altitude_is_slewed = false;
-        self.set_course(now.course_rad, f64::INFINITY);
-        let here = (now.x_m, now.y_m);
-        match mode {
-            Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise | Mode::Offboard => {}
-            Mode::Takeoff => {
-                // From the ground, above the ground. Who is higher already stays there, as in ArduPlane.
-                let base_m = if self.is_on_ground() { now.altitude_m } else { self.home.altitude_m };
-                self.take_off((base_m + self.tuning.takeoff_altitude_m).max(now.altitude_m));
-            }
-            // The mission says where to; until then, as before.
-            Mode::Auto | Mode::Course => self.fly_by_itself(),
-            Mode::Rtl => {
-                self.circle(self.rally.map_or(self.home.at(), |rally| rally.at), self.tuning.rtl_radius_m);
-                self.fly_by_itself();
-            }
-            Mode::Loiter | Mode::Circle => {
-                self.circle(here, self.tuning.loiter_radius_m);
-                self.fly_by_itself();
-            }
-            Mode::Land => self.land_at(here),
-            Mode::Guided => {
-                self.guided_point = here;
-                // Entered in flight, ArduPlane circles until it is told where to go. A start on the rail or in the air
-                // goes straight on: the flock's start is already a course.
-                if self.armed {
-                    self.circle(here, self.tuning.loiter_radius_m);
-                }
-            }
-        }
+    /// Bank, rad, of a coordinated turn: the lift's horizontal part is the centripetal force.
+    pub fn roll_rad(&self) -> f64 {
+        libm::atan(self.airspeed_mps() * self.turn_rate_radps() / self.dynamics.limits.gravity_mps2)
     }
 }
 

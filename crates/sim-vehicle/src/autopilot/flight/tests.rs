@@ -1,3 +1,4 @@
+use super::ground::TouchDown;
 use super::*;
 use flight_model::Wind;
 
@@ -14,7 +15,7 @@ fn fly(flight: &mut Flight, seconds: f64) -> State {
 }
 
 fn from_centre(state: &State, (x, y): (f64, f64)) -> f64 {
-    ((state.x_m - x) * (state.x_m - x) + (state.y_m - y) * (state.y_m - y)).sqrt()
+    (state.position_m() - Vector2::new(x, y)).norm()
 }
 
 #[test]
@@ -118,7 +119,7 @@ fn on_ground() -> Flight {
 
 /// Flies until something happens between it and the ground.
 fn fly_to_ground(flight: &mut Flight) -> f64 {
-    (0..100_000).find_map(|_| flight.step()).map(|Event::TouchedDown { sink_mps }| sink_mps).unwrap()
+    (0..100_000).find_map(|_| flight.step()).map(|TouchDown { sink_mps }| sink_mps).unwrap()
 }
 
 #[test]
@@ -161,7 +162,7 @@ fn a_landing_touches_down_softly_at_its_place_from_wherever_it_begins() {
         for altitude_m in [10.0, 50.0, 120.0] {
             let start = State { altitude_m, ..settings().start };
             let mut flight = Flight::new(&VehicleSettings { start, mode: Mode::Auto, ..settings() });
-            flight.land_at((x, y));
+            flight.land_at(Vector2::new(x, y));
             let sink_mps = fly_to_ground(&mut flight);
             let miss_m = from_centre(flight.state(), (x, y));
             assert!(sink_mps < 0.4 && miss_m < 3.0, "{sink_mps} {miss_m} at ({x}, {y}) from {altitude_m} m");
@@ -209,8 +210,8 @@ fn a_landing_in_wind_touches_down_near_its_place() {
             for (x, y) in [(400.0, 0.0), (-150.0, 200.0), (20.0, -10.0)] {
                 let wind = Wind::from_direction(wind_mps, from_deg.to_radians());
                 let mut flight = Flight::new(&VehicleSettings { mode: Mode::Auto, ..settings() });
-                flight.land_at((x, y));
-                let Event::TouchedDown { sink_mps } = (0..100_000)
+                flight.land_at(Vector2::new(x, y));
+                let TouchDown { sink_mps } = (0..100_000)
                     .find_map(|_| {
                         flight.feel(wind, None);
                         flight.step()

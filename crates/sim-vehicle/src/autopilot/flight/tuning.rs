@@ -1,5 +1,8 @@
 //! What parameters change of a flight.
 
+use crate::parameters::Parameters;
+use crate::parameters::table::Parameter;
+
 /// What parameters change of the way it flies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tuning {
@@ -17,7 +20,39 @@ pub(crate) struct Tuning {
     pub lateral_overload_max: f64,
 }
 
-/// ArduPlane's default of TKOFF_ALT, m.
-pub(crate) const TAKEOFF_ALTITUDE_M: f64 = 50.0;
+impl Tuning {
+    /// What the parameters make of the flight; what nobody has set stays as the settings have it, to the last bit.
+    pub fn of(parameters: &Parameters, loiter_radius_m: f64) -> Self {
+        let set = |parameter: Parameter| parameters.when_set(parameter);
+        let loiter_radius_m = set(Parameter::LoiterRadius).unwrap_or(loiter_radius_m);
+        Self {
+            loiter_radius_m,
+            rtl_radius_m: set(Parameter::RtlRadius).filter(|radius_m| *radius_m != 0.0).unwrap_or(loiter_radius_m),
+            rtl_altitude_m: set(Parameter::RtlAltitude).filter(|altitude_m| *altitude_m >= 0.0),
+            takeoff_altitude_m: f64::from(parameters.get(Parameter::TakeoffAltitude)),
+            cruise_speed_mps: set(Parameter::AirspeedCruise),
+            lateral_overload_max: set(Parameter::RollLimit)
+                .map_or(f64::INFINITY, |limit_deg| libm::tan(limit_deg.to_radians())),
+        }
+    }
+}
+
 /// A take-off is over when the vehicle is so near to its altitude, m.
 pub(crate) const TAKEOFF_TOLERANCE_M: f64 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::VehicleSettings;
+
+    #[test]
+    fn nothing_set_tunes_nothing() {
+        let settings = VehicleSettings { loiter_radius_m: 60.5, ..VehicleSettings::default() };
+        let tuning = Tuning::of(&Parameters::new(&settings), settings.loiter_radius_m);
+        assert_eq!((tuning.loiter_radius_m, tuning.rtl_radius_m), (60.5, 60.5));
+        assert_eq!(
+            (tuning.rtl_altitude_m, tuning.cruise_speed_mps, tuning.lateral_overload_max),
+            (None, None, f64::INFINITY)
+        );
+    }
+}

@@ -1,9 +1,14 @@
 //! The items of a mission: which of them the vehicle takes, and what is wrong with the others.
 
-use crate::protocol::command::ALTITUDE_MAX_M;
-use mavlink_bridge::dialect::{MavCmd, MavFrame, MavMissionResult};
-use mavlink_bridge::{AltitudeDatum, PlanItem};
+use crate::autopilot::home::datum_of;
+use crate::autopilot::input::ALTITUDE_MAX_M;
+use crate::error::PlanError;
+use mavlink_bridge::PlanItem;
+use mavlink_bridge::dialect::MavCmd;
 use std::ops::Range;
+
+/// Most items, home among them.
+pub(crate) const ITEMS_MAX: u16 = 700;
 
 pub(crate) const WAYPOINT: u16 = MavCmd::MAV_CMD_NAV_WAYPOINT as u32 as u16;
 pub(super) const LOITER_UNLIM: u16 = MavCmd::MAV_CMD_NAV_LOITER_UNLIM as u32 as u16;
@@ -24,14 +29,15 @@ pub(super) const GO_AROUND: u16 = MavCmd::MAV_CMD_DO_GO_AROUND as u32 as u16;
 pub(super) const TAG: u16 = MavCmd::MAV_CMD_JUMP_TAG as u32 as u16;
 pub(super) const JUMP_TO_TAG: u16 = MavCmd::MAV_CMD_DO_JUMP_TAG as u32 as u16;
 
-/// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are none
-/// while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.
+/// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are
+/// none while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.
 const WITHOUT_EFFECT: [u16; 39] = [
     92, 93, 112, 114, 115, 181, 182, 183, 184, 193, 194, 195, 197, 201, 202, 203, 205, 206, 208, 210, 211, 212, 215,
     216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 3000, 42600, 42703,
 ];
 
-/// The same of a PX4 (`mavlink_mission.cpp`), beyond those: regions of interest, cameras, mounts, gimbals, actuators, gates.
+/// The same of a PX4 (`mavlink_mission.cpp`), beyond those: regions of interest, cameras, mounts, gimbals, actuators,
+/// gates.
 const WITHOUT_EFFECT_BUT_TO_ARDUPLANE: [u16; 12] = [80, 187, 196, 198, 200, 204, 214, 260, 530, 1001, 2003, 4501];
 
 /// Whether an item has a place, as ArduPilot stores it.
@@ -51,20 +57,20 @@ pub(crate) fn has_heading(command: u16) -> bool {
 
 /// Whether AUTO can fly an item of a mission whose items `flown` are flown; the result code that says why not. As
 /// ArduPlane's, and beyond it: numbers must be such that the item can be flown.
-pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMissionResult> {
+pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), PlanError> {
     let is_known = has_place(item.command)
         || matches!(item.command, RETURN_TO_LAUNCH | JUMP | CHANGE_SPEED | FENCE_ENABLE | TAG | JUMP_TO_TAG)
         || WITHOUT_EFFECT.contains(&item.command)
         // Where item 0 is flown it is no ArduPlane.
         || flown.start == 0 && WITHOUT_EFFECT_BUT_TO_ARDUPLANE.contains(&item.command);
     if !is_known {
-        return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED);
+        return Err(PlanError::Unsupported);
     }
-    const INVALID: [MavMissionResult; 4] = [
-        MavMissionResult::MAV_MISSION_INVALID_PARAM1,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM2,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM3,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM4,
+    const INVALID: [PlanError; 4] = [
+        PlanError::InvalidParam(1),
+        PlanError::InvalidParam(2),
+        PlanError::InvalidParam(3),
+        PlanError::InvalidParam(4),
     ];
     let has_heading = has_heading(item.command);
     for (index, (param, result)) in item.params.iter().zip(INVALID).enumerate() {
@@ -77,31 +83,23 @@ pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), MavMission
     }
     let [p1, ..] = item.params;
     match item.command {
-        JUMP if !(f32::from(flown.start)..f32::from(flown.end)).contains(&p1) => {
-            Err(MavMissionResult::MAV_MISSION_ERROR)
-        }
+        JUMP if !(f32::from(flown.start)..f32::from(flown.end)).contains(&p1) => Err(PlanError::JumpTarget),
         _ => Ok(()),
     }
 }
 
-/// What the altitude of an item is measured from; none in a frame that is not taken. In the mission's own it is the sea.
-pub(super) fn altitude_datum(item: &PlanItem) -> Option<AltitudeDatum> {
-    const MISSION: u8 = MavFrame::MAV_FRAME_MISSION as u8;
-    if item.frame == MISSION { Some(AltitudeDatum::MeanSeaLevel) } else { item.altitude_datum() }
-}
-
-fn check_place(item: &PlanItem) -> Result<(), MavMissionResult> {
+fn check_place(item: &PlanItem) -> Result<(), PlanError> {
     if !item.position().is_latitude_valid() {
-        return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM5_X);
+        return Err(PlanError::InvalidParam(5));
     }
     if !item.position().is_longitude_valid() {
-        return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y);
+        return Err(PlanError::InvalidParam(6));
     }
     if item.z_m.is_nan() || item.z_m.abs() >= ALTITUDE_MAX_M {
-        return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM7);
+        return Err(PlanError::InvalidParam(7));
     }
-    if altitude_datum(item).is_none() {
-        return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME);
+    if datum_of(item).is_none() {
+        return Err(PlanError::UnsupportedFrame);
     }
     Ok(())
 }
@@ -124,16 +122,16 @@ mod tests {
     fn what_cannot_be_flown_is_refused_by_its_code() {
         assert_eq!(check(&GOOD, 1..2), Ok(()));
         for (item, result) in [
-            (PlanItem { command: 82, ..GOOD }, MavMissionResult::MAV_MISSION_UNSUPPORTED),
-            (PlanItem { command: 60_000, ..GOOD }, MavMissionResult::MAV_MISSION_UNSUPPORTED),
-            (PlanItem { frame: 1, ..GOOD }, MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME),
-            (PlanItem { params: [0.0, f32::NAN, 0.0, 0.0], ..GOOD }, MavMissionResult::MAV_MISSION_INVALID_PARAM2),
-            (PlanItem { params: [0.0, 0.0, 0.0, f32::INFINITY], ..GOOD }, MavMissionResult::MAV_MISSION_INVALID_PARAM4),
-            (PlanItem { command: LOITER_TIME, ..GOOD }, MavMissionResult::MAV_MISSION_INVALID_PARAM4),
-            (PlanItem { latitude_e7: 900_000_001, ..GOOD }, MavMissionResult::MAV_MISSION_INVALID_PARAM5_X),
-            (PlanItem { longitude_e7: i32::MIN, ..GOOD }, MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y),
-            (PlanItem { z_m: f32::INFINITY, ..GOOD }, MavMissionResult::MAV_MISSION_INVALID_PARAM7),
-            (PlanItem { command: JUMP, params: [2.0, 1.0, 0.0, 0.0], ..GOOD }, MavMissionResult::MAV_MISSION_ERROR),
+            (PlanItem { command: 82, ..GOOD }, PlanError::Unsupported),
+            (PlanItem { command: 60_000, ..GOOD }, PlanError::Unsupported),
+            (PlanItem { frame: 1, ..GOOD }, PlanError::UnsupportedFrame),
+            (PlanItem { params: [0.0, f32::NAN, 0.0, 0.0], ..GOOD }, PlanError::InvalidParam(2)),
+            (PlanItem { params: [0.0, 0.0, 0.0, f32::INFINITY], ..GOOD }, PlanError::InvalidParam(4)),
+            (PlanItem { command: LOITER_TIME, ..GOOD }, PlanError::InvalidParam(4)),
+            (PlanItem { latitude_e7: 900_000_001, ..GOOD }, PlanError::InvalidParam(5)),
+            (PlanItem { longitude_e7: i32::MIN, ..GOOD }, PlanError::InvalidParam(6)),
+            (PlanItem { z_m: f32::INFINITY, ..GOOD }, PlanError::InvalidParam(7)),
+            (PlanItem { command: JUMP, params: [2.0, 1.0, 0.0, 0.0], ..GOOD }, PlanError::JumpTarget),
         ] {
             assert_eq!(check(&item, 1..2), Err(result), "{item:?}");
         }

@@ -1,8 +1,10 @@
 //! What the item that AUTO flies still wants, and when it has it.
 
 use super::loiter::{Loiter, Now};
-use crate::autopilot::flight::TAKEOFF_TOLERANCE_M;
-use crate::vehicle::Vehicle;
+use crate::autopilot::flight::tuning::TAKEOFF_TOLERANCE_M;
+use flight_model::State;
+use nalgebra::Vector2;
+use std::time::Duration;
 
 /// What the current item still wants.
 #[derive(Clone, Copy, Debug, Default)]
@@ -11,7 +13,7 @@ pub(super) enum Leg {
     #[default]
     Begin,
     /// To be so near to a place, and not to come nearer: `nearest_m` is how near it has come.
-    Place { at: (f64, f64), radius_m: f64, nearest_m: f64 },
+    Place { at: Vector2<f64>, radius_m: f64, nearest_m: f64 },
     /// To be at an altitude, or not below it, or not above it, m above the origin.
     Altitude(f64, AltitudeEnd),
     /// To circle.
@@ -35,24 +37,18 @@ pub(super) enum AltitudeEnd {
     Exceeded,
 }
 
-impl Vehicle {
+impl Leg {
     /// Looks after an integration step whether the current item has all that it wants.
-    pub(super) fn is_leg_done(&mut self) -> bool {
-        let is_on_ground = self.flight.is_on_ground();
-        if is_on_ground || matches!(self.progress.leg, Leg::Landing) {
-            return is_on_ground && matches!(self.progress.leg, Leg::Landing);
+    pub fn is_done(&mut self, state: &State, is_on_ground: bool, time: Duration) -> bool {
+        if is_on_ground || matches!(self, Leg::Landing) {
+            return is_on_ground && matches!(self, Leg::Landing);
         }
-        let (state, time) = (self.flight.estimate(), self.time);
-        let from = |(x_m, y_m): (f64, f64)| {
-            let (north, east) = (state.x_m - x_m, state.y_m - y_m);
-            (north * north + east * east).sqrt()
-        };
-        match &mut self.progress.leg {
+        match self {
             Leg::Begin | Leg::Forever | Leg::Landing => false,
             Leg::Place { at, radius_m, nearest_m } => {
                 // Who sees the vehicle a few times a second must see it within the radius: the item ends where it is
                 // nearest.
-                let distance_m = from(*at);
+                let distance_m = (state.position_m() - *at).norm();
                 let recedes = distance_m >= *nearest_m;
                 *nearest_m = nearest_m.min(distance_m);
                 distance_m <= *radius_m && recedes
@@ -70,8 +66,8 @@ impl Vehicle {
                 state.altitude_m >= *altitude_m - TAKEOFF_TOLERANCE_M
             }
             Leg::Circle(loiter) => {
-                let place = (state.x_m, state.y_m);
-                loiter.is_over(&Now { time, place, course_rad: state.course_rad, altitude_m: state.altitude_m })
+                let (place, course_rad) = (state.position_m(), state.course_rad);
+                loiter.is_over(&Now { time, place, course_rad, altitude_m: state.altitude_m })
             }
         }
     }

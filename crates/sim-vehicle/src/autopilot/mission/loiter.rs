@@ -2,10 +2,11 @@
 //! (`verify_loiter_turns` and its kin, `isHeadingLinedUp` of ArduPlane; `is_mission_item_reached_or_completed` of PX4).
 
 use flight_model::wrap_pi;
+use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::time::Duration;
 
-type Place = (f64, f64);
+type Place = Vector2<f64>;
 
 /// An ArduPlane counts as on its circle from here on, in radii: where it goes over from coming nearer to turning.
 const ON_CIRCLE: f64 = 1.05;
@@ -85,8 +86,8 @@ impl Loiter {
 
     /// Looks after an integration step whether it is over.
     pub fn is_over(&mut self, now: &Now) -> bool {
-        let (north, east) = (now.place.0 - self.centre.0, now.place.1 - self.centre.1);
-        let (distance_m, bearing_rad) = ((north * north + east * east).sqrt(), libm::atan2(east, north));
+        let away = now.place - self.centre;
+        let (distance_m, bearing_rad) = (away.norm(), libm::atan2(away.y, away.x));
         let Some(mut flown) = self.flown else {
             if self.is_on_circle(distance_m, now.altitude_m) {
                 self.flown = Some(Flown { since: now.time, bearing_rad, turned_rad: 0.0, met_at_rad: None });
@@ -100,7 +101,7 @@ impl Loiter {
             flown.met_at_rad = Some(flown.turned_rad);
         }
         self.flown = Some(flown);
-        is_met && self.leads_to_the_next(&flown, now, (north, east))
+        is_met && self.leads_to_the_next(&flown, now, away)
     }
 
     fn is_on_circle(&self, distance_m: f64, altitude_m: f64) -> bool {
@@ -129,13 +130,13 @@ impl Loiter {
         }
     }
 
-    fn leads_to_the_next(&self, flown: &Flown, now: &Now, (north, east): Place) -> bool {
+    fn leads_to_the_next(&self, flown: &Flown, now: &Now, away: Place) -> bool {
         let Exit::Toward(next) = self.exit else { return true };
-        let (to_north, to_east) = (next.0 - self.centre.0, next.1 - self.centre.1);
-        let next_m = (to_north * to_north + to_east * to_east).sqrt();
+        let to_next = next - self.centre;
+        let next_m = to_next.norm();
         match self.rules {
             Rules::Px4 => {
-                let to_next_rad = libm::atan2(next.1 - now.place.1, next.0 - now.place.0);
+                let to_next_rad = libm::atan2(next.y - now.place.y, next.x - now.place.x);
                 next_m <= 1.05 * self.radius_m || wrap_pi(to_next_rad - now.course_rad).abs() < PX4_LINED_UP_RAD
             }
             Rules::ArduPlane => {
@@ -143,15 +144,15 @@ impl Loiter {
                     return true;
                 }
                 // Where it is on the circle, and how it would leave it there: errors of its radius and course do not count.
-                let at_rad = libm::atan2(east, north);
+                let at_rad = libm::atan2(away.y, away.x);
                 let (sin, cos) = libm::sincos(at_rad);
                 let leaving_rad = at_rad + self.turn * FRAC_PI_2;
                 let wanted_rad = if next_m >= self.radius_m {
-                    libm::atan2(to_east - self.radius_m * sin, to_north - self.radius_m * cos)
+                    libm::atan2(to_next.y - self.radius_m * sin, to_next.x - self.radius_m * cos)
                 } else {
                     // A place inside is never ahead: it turns off before, the earlier the nearer to the centre it is.
                     let chord_rad = 2.0 * libm::asin((self.radius_m - next_m) / (2.0 * self.radius_m));
-                    libm::atan2(to_east, to_north) + self.turn * (FRAC_PI_2 - chord_rad)
+                    libm::atan2(to_next.y, to_next.x) + self.turn * (FRAC_PI_2 - chord_rad)
                 };
                 let turned_since_rad = (flown.turned_rad - flown.met_at_rad.unwrap_or(flown.turned_rad)).abs();
                 let allowed_rad = ARDUPLANE_LINED_UP_RAD * (1.0 + (turned_since_rad / TAU).floor());
@@ -172,7 +173,7 @@ mod tests {
             let angle_rad = TAU * (0.5 + *second as f64 / 360.0);
             let now = Now {
                 time: Duration::from_secs(*second),
-                place: (radius_m * libm::cos(angle_rad), radius_m * libm::sin(angle_rad)),
+                place: Place::new(radius_m * libm::cos(angle_rad), radius_m * libm::sin(angle_rad)),
                 course_rad: angle_rad + FRAC_PI_2,
                 altitude_m: *second as f64,
             };
@@ -181,7 +182,7 @@ mod tests {
     }
 
     fn loiter(goal: Goal, exit: Exit, rules: Rules) -> Loiter {
-        Loiter::new((0.0, 0.0), 100.0, 1.0, goal, exit, rules)
+        Loiter::new(Place::zeros(), 100.0, 1.0, goal, exit, rules)
     }
 
     #[test]
@@ -194,16 +195,17 @@ mod tests {
     #[test]
     fn what_is_asked_for_is_followed_by_the_way_to_the_next() {
         // From the south it leads north, along the western tangent, after a quarter of a turn.
-        let north = Exit::Toward((10_000.0, -100.0));
+        let north = Exit::Toward(Place::new(10_000.0, -100.0));
         let turns = |exit| over_after(loiter(Goal::Turned(TAU), exit, Rules::ArduPlane), 100.0);
         assert!(matches!(turns(Exit::AtOnce), Some(360 | 361)));
         let lined_up = turns(north).unwrap();
         assert!((360 + 79..=360 + 90).contains(&lined_up), "{lined_up}");
         let stayed = Goal::Stayed(Duration::from_secs(100));
-        assert_eq!(over_after(loiter(stayed, Exit::AtOnce, Rules::Px4), 100.0), None);
         // A PX4 waits for the altitude too, and margins are its own.
-        let mut held = loiter(stayed, north, Rules::Px4);
-        held.altitude_m = 50.0;
+        let mut held = loiter(stayed, Exit::AtOnce, Rules::Px4);
+        (held.margin_m, held.altitude_m) = (1.0, -50.0);
+        assert_eq!(over_after(held, 100.0), None);
+        (held.exit, held.altitude_m) = (north, 50.0);
         let lined_up = over_after(held, 100.0).unwrap();
         assert!((360 + 84..=360 + 90).contains(&lined_up), "{lined_up}");
     }
@@ -221,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_place_inside_the_circle_is_left_for_once_a_turn() {
-        let inside = Exit::Toward((-50.0, 0.0));
+        let inside = Exit::Toward(Place::new(-50.0, 0.0));
         let over = over_after(loiter(Goal::Turned(0.0), inside, Rules::ArduPlane), 100.0).unwrap();
         assert!(over > 300 && over < 360, "{over}");
     }

@@ -1,33 +1,44 @@
 //! Missions: which items are accepted, and how AUTO flies them.
 
 mod auto;
-mod items;
+pub(crate) mod feasibility;
+pub(crate) mod items;
 mod landing;
 mod legs;
 mod loiter;
-
-pub(crate) use auto::Progress;
-pub(crate) use items::{LAND_START, RETURN_PATH_START, WAYPOINT, check, has_heading};
+pub(crate) mod progress;
 
 use mavlink_bridge::PlanItem;
-
-/// Most items, home among them.
-pub(crate) const ITEMS_MAX: u16 = 700;
 
 /// The mission on board.
 #[derive(Clone, Debug)]
 pub(crate) struct Mission {
-    pub items: Vec<PlanItem>,
-    /// The index of the first item that is flown: 1 where item 0 is home, as ArduPilot has it, whose contents do not count.
-    pub first: u16,
+    items: Vec<PlanItem>,
+    first: u16,
     /// Whether the autopilot would fly it: a PX4 takes missions that it does not.
-    pub is_feasible: bool,
+    is_feasible: bool,
 }
 
 impl Mission {
-    /// None, whose items will be flown from an index on: before anything is uploaded or cleared, an ArduPilot counts home.
+    /// None, whose items will be flown from an index on: before anything is uploaded or cleared, an ArduPilot counts
+    /// home.
     pub fn new(first: u16) -> Self {
         Self { items: vec![PlanItem::default(); usize::from(first)], first, is_feasible: true }
+    }
+
+    pub fn items(&self) -> &[PlanItem] {
+        &self.items
+    }
+
+    /// The index of the first item that is flown: 1 where item 0 is home, as ArduPilot has it, whose contents do not
+    /// count.
+    pub fn first(&self) -> u16 {
+        self.first
+    }
+
+    pub fn replace(&mut self, items: Vec<PlanItem>, is_feasible: bool) {
+        self.items = items;
+        self.is_feasible = is_feasible;
     }
 
     pub fn len(&self) -> u16 {
@@ -46,6 +57,12 @@ impl Mission {
     /// The items that are flown, each with its index.
     pub fn numbered(&self) -> impl Iterator<Item = (u16, &PlanItem)> {
         (0..self.len()).zip(&self.items).skip(usize::from(self.first))
+    }
+
+    /// The JUMP_TAG of a number.
+    pub fn tagged(&self, tag: f64) -> Option<u16> {
+        let is_it = |item: &PlanItem| item.command == items::TAG && f64::from(item.params[0]) == tag;
+        self.numbered().find(|(_, item)| is_it(item)).map(|(seq, _)| seq)
     }
 }
 

@@ -1,4 +1,5 @@
 use super::items::{LAND, TAKEOFF, WAYPOINT};
+use crate::autopilot::plan::PlanKind;
 use crate::mode::Mode;
 use crate::settings::VehicleSettings;
 use crate::vehicle::Vehicle;
@@ -15,7 +16,7 @@ fn settings(on_ground: bool, speed_mps: f64) -> VehicleSettings {
 }
 
 fn item(vehicle: &Vehicle, command: u16, (x_m, y_m): Place, z_m: f32, radius_m: f32) -> PlanItem {
-    let place = vehicle.settings.frame.to_geodetic(x_m, y_m, 0.0);
+    let place = vehicle.settings().frame.to_geodetic(x_m, y_m, 0.0);
     PlanItem {
         params: [0.0, radius_m, 0.0, 0.0],
         latitude_e7: (place.latitude_deg * 1e7).round() as i32,
@@ -27,24 +28,23 @@ fn item(vehicle: &Vehicle, command: u16, (x_m, y_m): Place, z_m: f32, radius_m: 
     }
 }
 
-/// Flies a mission until it is complete; where the vehicle was while each item was the current one, five times a second as
-/// a ground station sees it.
+/// Flies a mission until it is complete; where the vehicle was while each item was the current one, five times a second
+/// as a ground station sees it.
 fn fly(vehicle: &mut Vehicle, items: Vec<PlanItem>, patience_s: u64) -> Vec<Vec<Place>> {
     let count = items.len();
-    vehicle.mission.items = items;
-    vehicle.mission_changed(true);
-    vehicle.set_mode(Mode::Auto);
+    vehicle.autopilot_mut().replace_plan(PlanKind::Mission, items, true).unwrap();
+    vehicle.autopilot_mut().set_mode(Mode::Auto);
     let mut seen = vec![Vec::new(); count];
     for tick in 1..=5 * patience_s {
-        if let Some(places) = seen.get_mut(usize::from(vehicle.progress.current)) {
+        if let Some(places) = seen.get_mut(usize::from(vehicle.autopilot().session.progress.current())) {
             places.push((vehicle.state().x_m, vehicle.state().y_m));
         }
-        if vehicle.progress.is_complete {
+        if vehicle.autopilot().session.progress.is_complete() {
             return seen;
         }
         vehicle.advance(Duration::from_millis(200 * tick), &mut Vec::new());
     }
-    panic!("item {} is not reached", vehicle.progress.current);
+    panic!("item {} is not reached", vehicle.autopilot().session.progress.current());
 }
 
 fn nearest_m(places: &[Place], at: Place) -> f64 {
@@ -65,7 +65,8 @@ proptest! {
         let places: Vec<Place> =
             waypoints.iter().map(|((x, y), _)| (x * half_width_m, y * half_width_m)).collect();
         let mut items = vec![PlanItem::default()];
-        items.extend(places.iter().zip(&waypoints).map(|(at, (_, radius_m))| item(&vehicle, WAYPOINT, *at, 50.0, *radius_m)));
+        let waypoint = |(at, (_, radius_m)): (&Place, &(_, f32))| item(&vehicle, WAYPOINT, *at, 50.0, *radius_m);
+        items.extend(places.iter().zip(&waypoints).map(waypoint));
         let seen = fly(&mut vehicle, items, 2_000);
         // Where two are near each other, an item may begin and end between two looks.
         let track = seen.concat();
@@ -86,7 +87,7 @@ proptest! {
             item(&vehicle, WAYPOINT, (x, y), altitude_m, 10.0),
             item(&vehicle, LAND, (0.0, 0.0), 0.0, 0.0),
         ];
-        prop_assert!(vehicle.arm_or_disarm([1.0, 0.0]).is_ok());
+        prop_assert!(vehicle.autopilot_mut().arm_or_disarm([1.0, 0.0]).is_ok());
         fly(&mut vehicle, items, 1_000);
         prop_assert!(libm::hypot(vehicle.state().x_m, vehicle.state().y_m) < 20.0);
         let landed = vehicle.time();

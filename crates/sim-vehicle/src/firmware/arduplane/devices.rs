@@ -3,58 +3,60 @@
 //!
 //! By number, as ArduPilot's own dialect has commands that the common one does not name.
 
-use crate::protocol::command::{Refusal, integer};
-use mavlink_bridge::dialect::MavResult::{
-    self, MAV_RESULT_ACCEPTED, MAV_RESULT_DENIED, MAV_RESULT_FAILED, MAV_RESULT_UNSUPPORTED,
-};
+use crate::autopilot::input::integer;
+use crate::error::{CommandError, CommandResult};
+
+const ACCEPTED: Option<CommandResult> = None;
+const DENIED: Option<CommandResult> = Some(CommandResult::Denied);
+const FAILED: Option<CommandResult> = Some(CommandResult::Failed);
 
 /// A command, its result, which params that result asks for, and what the command is for.
-const ANSWERS: [(u16, MavResult, Asks, &str); 45] = [
-    (181, MAV_RESULT_ACCEPTED, Asks::Nothing, "relay"),
-    (182, MAV_RESULT_ACCEPTED, Asks::Nothing, "relay"),
-    (183, MAV_RESULT_FAILED, Asks::Nothing, "servo"),
-    (184, MAV_RESULT_FAILED, Asks::Nothing, "servo"),
-    (185, MAV_RESULT_FAILED, Asks::Nothing, "advanced failsafe"),
-    (195, MAV_RESULT_ACCEPTED, Asks::Nothing, "region of interest"),
-    (197, MAV_RESULT_ACCEPTED, Asks::Nothing, "region of interest"),
-    (198, MAV_RESULT_ACCEPTED, Asks::Nothing, "region of interest"),
-    (201, MAV_RESULT_ACCEPTED, Asks::Nothing, "region of interest"),
-    (202, MAV_RESULT_ACCEPTED, Asks::Nothing, "camera"),
-    (203, MAV_RESULT_ACCEPTED, Asks::Nothing, "camera"),
-    (204, MAV_RESULT_FAILED, Asks::Nothing, "mount"),
-    (205, MAV_RESULT_FAILED, Asks::Nothing, "mount"),
-    (206, MAV_RESULT_ACCEPTED, Asks::Nothing, "camera"),
-    (208, MAV_RESULT_ACCEPTED, Asks::OneOf(1, &[0, 1], MAV_RESULT_FAILED), "parachute"),
-    (209, MAV_RESULT_FAILED, Asks::Nothing, "lift motor"),
-    (211, MAV_RESULT_FAILED, Asks::Nothing, "gripper"),
-    (212, MAV_RESULT_ACCEPTED, Asks::Nothing, "autotune"),
-    (216, MAV_RESULT_FAILED, Asks::Nothing, "sprayer"),
-    (218, MAV_RESULT_FAILED, Asks::AtMost(2, 2.0, MAV_RESULT_DENIED), "auxiliary function"),
-    (223, MAV_RESULT_FAILED, Asks::Nothing, "combustion engine"),
-    (245, MAV_RESULT_DENIED, Asks::Nothing, "parameter storage of another kind"),
-    (500, MAV_RESULT_ACCEPTED, Asks::Nothing, "receiver"),
-    (532, MAV_RESULT_DENIED, Asks::Nothing, "camera"),
-    (534, MAV_RESULT_DENIED, Asks::Nothing, "camera"),
-    (1000, MAV_RESULT_FAILED, Asks::Nothing, "gimbal"),
-    (1001, MAV_RESULT_FAILED, Asks::Nothing, "gimbal"),
-    (2000, MAV_RESULT_FAILED, Asks::AtLeast(1, 0.0, MAV_RESULT_UNSUPPORTED), "camera"),
-    (2001, MAV_RESULT_ACCEPTED, Asks::Only(1, 0.0, MAV_RESULT_UNSUPPORTED), "camera"),
-    (2500, MAV_RESULT_FAILED, Asks::Nothing, "camera"),
-    (2501, MAV_RESULT_FAILED, Asks::Nothing, "camera"),
-    (2520, MAV_RESULT_ACCEPTED, Asks::Nothing, "landing gear"),
-    (2600, MAV_RESULT_ACCEPTED, Asks::OneOf(1, &[0, 1], MAV_RESULT_FAILED), "high latency link"),
-    (3000, MAV_RESULT_FAILED, Asks::Nothing, "lift motor"),
-    (5300, MAV_RESULT_ACCEPTED, Asks::OneOf(1, &[0, 1], MAV_RESULT_DENIED), "safety switch"),
-    (10_001, MAV_RESULT_FAILED, Asks::Nothing, "transponder"),
-    (32_000, MAV_RESULT_ACCEPTED, Asks::Nothing, "CAN bus"),
-    (42_006, MAV_RESULT_ACCEPTED, Asks::Nothing, "compass calibration"),
-    (42_007, MAV_RESULT_ACCEPTED, Asks::OneOf(1, &[1, 2, 3], MAV_RESULT_DENIED), "other source of the EKF"),
-    (42_425, MAV_RESULT_ACCEPTED, Asks::Nothing, "compass calibration"),
-    (42_426, MAV_RESULT_ACCEPTED, Asks::Nothing, "compass calibration"),
-    (42_429, MAV_RESULT_FAILED, Asks::Nothing, "accelerometer calibration"),
-    (42_700, MAV_RESULT_DENIED, Asks::Nothing, "debugger"),
-    (43_004, MAV_RESULT_ACCEPTED, Asks::Within(&[(1, 0.0, f32::INFINITY), (3, 0.0, 360.0)], MAV_RESULT_DENIED), "wind"),
-    (43_005, MAV_RESULT_ACCEPTED, Asks::Nothing, "rangefinder"),
+const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 45] = [
+    (181, ACCEPTED, Asks::Nothing, "relay"),
+    (182, ACCEPTED, Asks::Nothing, "relay"),
+    (183, FAILED, Asks::Nothing, "servo"),
+    (184, FAILED, Asks::Nothing, "servo"),
+    (185, FAILED, Asks::Nothing, "advanced failsafe"),
+    (195, ACCEPTED, Asks::Nothing, "region of interest"),
+    (197, ACCEPTED, Asks::Nothing, "region of interest"),
+    (198, ACCEPTED, Asks::Nothing, "region of interest"),
+    (201, ACCEPTED, Asks::Nothing, "region of interest"),
+    (202, ACCEPTED, Asks::Nothing, "camera"),
+    (203, ACCEPTED, Asks::Nothing, "camera"),
+    (204, FAILED, Asks::Nothing, "mount"),
+    (205, FAILED, Asks::Nothing, "mount"),
+    (206, ACCEPTED, Asks::Nothing, "camera"),
+    (208, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Failed), "parachute"),
+    (209, FAILED, Asks::Nothing, "lift motor"),
+    (211, FAILED, Asks::Nothing, "gripper"),
+    (212, ACCEPTED, Asks::Nothing, "autotune"),
+    (216, FAILED, Asks::Nothing, "sprayer"),
+    (218, FAILED, Asks::AtMost(2, 2.0, CommandResult::Denied), "auxiliary function"),
+    (223, FAILED, Asks::Nothing, "combustion engine"),
+    (245, DENIED, Asks::Nothing, "parameter storage of another kind"),
+    (500, ACCEPTED, Asks::Nothing, "receiver"),
+    (532, DENIED, Asks::Nothing, "camera"),
+    (534, DENIED, Asks::Nothing, "camera"),
+    (1000, FAILED, Asks::Nothing, "gimbal"),
+    (1001, FAILED, Asks::Nothing, "gimbal"),
+    (2000, FAILED, Asks::AtLeast(1, 0.0, CommandResult::Unsupported), "camera"),
+    (2001, ACCEPTED, Asks::Only(1, 0.0, CommandResult::Unsupported), "camera"),
+    (2500, FAILED, Asks::Nothing, "camera"),
+    (2501, FAILED, Asks::Nothing, "camera"),
+    (2520, ACCEPTED, Asks::Nothing, "landing gear"),
+    (2600, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Failed), "high latency link"),
+    (3000, FAILED, Asks::Nothing, "lift motor"),
+    (5300, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Denied), "safety switch"),
+    (10_001, FAILED, Asks::Nothing, "transponder"),
+    (32_000, ACCEPTED, Asks::Nothing, "CAN bus"),
+    (42_006, ACCEPTED, Asks::Nothing, "compass calibration"),
+    (42_007, ACCEPTED, Asks::OneOf(1, &[1, 2, 3], CommandResult::Denied), "other source of the EKF"),
+    (42_425, ACCEPTED, Asks::Nothing, "compass calibration"),
+    (42_426, ACCEPTED, Asks::Nothing, "compass calibration"),
+    (42_429, FAILED, Asks::Nothing, "accelerometer calibration"),
+    (42_700, DENIED, Asks::Nothing, "debugger"),
+    (43_004, ACCEPTED, Asks::Within(&[(1, 0.0, f32::INFINITY), (3, 0.0, 360.0)], CommandResult::Denied), "wind"),
+    (43_005, ACCEPTED, Asks::Nothing, "rangefinder"),
 ];
 
 /// What a command asks of its params, and the result where they are otherwise. Params are numbered from 1.
@@ -62,17 +64,17 @@ const ANSWERS: [(u16, MavResult, Asks, &str); 45] = [
 enum Asks {
     Nothing,
     /// The whole number of a param is one of these.
-    OneOf(usize, &'static [i64], MavResult),
-    Only(usize, f32, MavResult),
-    AtMost(usize, f32, MavResult),
-    AtLeast(usize, f32, MavResult),
+    OneOf(usize, &'static [i64], CommandResult),
+    Only(usize, f32, CommandResult),
+    AtMost(usize, f32, CommandResult),
+    AtLeast(usize, f32, CommandResult),
     /// Each param is not below the first bound and not above the second.
-    Within(&'static [(usize, f32, f32)], MavResult),
+    Within(&'static [(usize, f32, f32)], CommandResult),
 }
 
 impl Asks {
     /// The result where the params are not as they are asked for, and which one it is.
-    fn refusal(self, params: [f32; 4]) -> Option<(MavResult, usize)> {
+    fn refusal(self, params: [f32; 4]) -> Option<(CommandResult, usize)> {
         let param = |number: usize| params[number - 1];
         match self {
             Asks::Nothing => None,
@@ -92,14 +94,14 @@ impl Asks {
 }
 
 /// The answer to a command for a device that is not there; none if the command is not for one.
-pub(crate) fn answer(command: u16, params: [f32; 4]) -> Option<Result<(), Refusal>> {
+pub(crate) fn answer(command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
     let &(_, result, asks, device) = ANSWERS.iter().find(|(number, ..)| *number == command)?;
     if let Some((result, number)) = asks.refusal(params) {
-        return Some(Err(Refusal::new(result, format!("There is no {device}, and param {number} is wrong"))));
+        return Some(Err(CommandError::new(result, format!("There is no {device}, and param {number} is wrong"))));
     }
     Some(match result {
-        MAV_RESULT_ACCEPTED => Ok(()),
-        refused => Err(Refusal::new(refused, format!("There is no {device}"))),
+        None => Ok(()),
+        Some(refused) => Err(CommandError::new(refused, format!("There is no {device}"))),
     })
 }
 
@@ -114,9 +116,9 @@ mod tests {
             // 42007 has no source of number 0.
             let params = if command == 42_007 { [1.0, 0.0, 0.0, 0.0] } else { [0.0; 4] };
             match answer(command, params) {
-                Some(Ok(())) => assert_eq!(result, MAV_RESULT_ACCEPTED),
+                Some(Ok(())) => assert_eq!(result, ACCEPTED),
                 Some(Err(refusal)) => {
-                    assert_eq!(refusal.result, result);
+                    assert_eq!(Some(refusal.result), result);
                     assert!(refusal.reason.is_some_and(|reason| reason.len() <= 50));
                 }
                 None => panic!("{command}"),
@@ -128,13 +130,13 @@ mod tests {
     #[test]
     fn params_are_read_where_an_arduplane_reads_them() {
         for (command, params, result) in [
-            (208, [2.0, 0.0, 0.0, 0.0], MAV_RESULT_FAILED),
-            (218, [41.0, 3.0, 0.0, 0.0], MAV_RESULT_DENIED),
-            (2001, [1.0, 0.0, 0.0, 0.0], MAV_RESULT_UNSUPPORTED),
-            (2600, [2.0, 0.0, 0.0, 0.0], MAV_RESULT_FAILED),
-            (5300, [2.0, 0.0, 0.0, 0.0], MAV_RESULT_DENIED),
-            (42_007, [4.0, 0.0, 0.0, 0.0], MAV_RESULT_DENIED),
-            (43_004, [1.0, 0.0, 361.0, 0.0], MAV_RESULT_DENIED),
+            (208, [2.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (218, [41.0, 3.0, 0.0, 0.0], CommandResult::Denied),
+            (2001, [1.0, 0.0, 0.0, 0.0], CommandResult::Unsupported),
+            (2600, [2.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (5300, [2.0, 0.0, 0.0, 0.0], CommandResult::Denied),
+            (42_007, [4.0, 0.0, 0.0, 0.0], CommandResult::Denied),
+            (43_004, [1.0, 0.0, 361.0, 0.0], CommandResult::Denied),
         ] {
             assert_eq!(
                 answer(command, params).and_then(Result::err).map(|refusal| refusal.result),

@@ -1,17 +1,82 @@
 //! ArduPlane. Its modes are those of [`Mode`](crate::Mode), and its answers those of `protocol/command/`.
 
-mod commands;
+pub(super) mod commands;
 pub(super) mod devices;
 pub(super) mod messages;
-#[cfg(test)]
-mod page;
-mod targets;
+pub(super) mod targets;
 
+use super::px4;
+use super::rules::{CommandSet, Rules, TargetSet};
 use crate::mode::Mode;
-use mavlink_bridge::dialect::MavModeFlag;
+use crate::parameters::table::Parameter;
+use crate::telemetry::streams::Stream;
+use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag};
 
-/// The version whose names and answers the vehicle has.
-pub(super) const VERSION: [u8; 3] = [4, 7, 0];
+/// ArduPlane 4.7.
+pub(super) const RULES: Rules = Rules {
+    name: "arduplane",
+    product: "ArduPlane",
+    autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+    version: [4, 7, 0],
+
+    custom_mode: Mode::number,
+    custom_mode_has_sub_mode: false,
+    mode_name: Mode::name,
+    base_mode,
+    modes: Mode::ARDUPLANE,
+    has_standard_modes: false,
+    first_mode: |mode, _| mode,
+    mode_after_mission: Mode::Rtl,
+    tells_mode_at_once: true,
+    returns_without_mission: true,
+
+    commands: CommandSet::ArduPlane,
+    targets: TargetSet::ArduPlane,
+    acknowledges_set_mode: false,
+    tells_origin: false,
+    hears_attitude_targets: false,
+    unknown_interval_fails: false,
+    home_is_above_sea: false,
+    has_ardupilot_commands: true,
+
+    fence_forbids_arming: true,
+    fence_action,
+    tells_arming_reason: true,
+    any_ground_station: false,
+    watches_streams: false,
+
+    judges_plans_as_px4: false,
+    first_mission_item: 1,
+    resumes_after_upload: true,
+    takes_off_before_mission: false,
+    return_item_stays_current: true,
+    nan_params_are_left_out: false,
+    clears_flown_mission: false,
+    upload_can_be_broken_off: false,
+    asks_by_old_message: true,
+    tells_paused_mission: false,
+    mission_mode_suspended: 0,
+
+    has_parameter: |parameter: Parameter| !px4::parameters::OWN_PARAMETERS.contains(&parameter),
+    parameter: |parameter| (parameter.name(), parameter.kind()),
+    initial_parameters: &[],
+    bytewise_parameters: false,
+    tells_whole_numbers_as_floats: false,
+    parameter_names_have_case: false,
+    has_parameter_hash: false,
+    // Of the sticks it tells unasked.
+    more_streams: &[(Stream::RcChannels, |rates| &mut rates.sys_status_hz)],
+};
+
+/// FENCE_ACTION.
+pub(super) fn fence_action(value: u8) -> Option<Mode> {
+    match value {
+        1 | 8 => Some(Mode::Rtl),
+        6 | 7 => Some(Mode::Guided),
+        // Only told: 0, and what has no meaning for a plane.
+        _ => None,
+    }
+}
 
 /// The flags that ArduPlane sets: 217 in GUIDED when armed, 209 in CRUISE and MANUAL, 81 in MANUAL when not.
 pub(super) fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {

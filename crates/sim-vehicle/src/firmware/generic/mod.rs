@@ -1,25 +1,52 @@
 //! No autopilot in particular, for authors of their own controllers: ArduPlane's numbers, commands and parameters, and
 //! beside them take-off and landing as commands, MAVLink's standard modes, and position targets of every kind.
 
-use crate::firmware::px4;
-use crate::firmware::targets::{PositionTarget, TargetRefused};
-use crate::mode::Mode;
-use crate::protocol::command::{Command, Refusal, check_finite, integer};
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{
-    MavCmd, MavModeFlag, MavSeverity, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
-};
+pub(super) mod commands;
+pub(super) mod targets;
 
-/// There is none.
-pub(super) const VERSION: [u8; 3] = [0, 0, 0];
+use super::arduplane;
+use super::rules::{CommandSet, Rules, TargetSet};
+use crate::mode::Mode;
+use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag, MavParamType};
 
 /// ArduCopter's number of LAND, which ArduPlane leaves free.
-const LAND: u32 = 9;
+pub(super) const LAND: u32 = 9;
 
-/// Where ArduPlane has ACRO and FBWB, PX4 has the modes that fly by themselves and Offboard. MAVSDK takes any unknown
-/// autopilot for a PX4.
-const PX4_AUTO: i64 = 4;
-const PX4_OFFBOARD: i64 = 6;
+/// No autopilot in particular.
+pub(super) const RULES: Rules = Rules {
+    name: "generic",
+    product: "Columba",
+    autopilot: MavAutopilot::MAV_AUTOPILOT_GENERIC,
+    version: [0, 0, 0],
+
+    custom_mode,
+    base_mode,
+    modes: &MODES,
+    has_standard_modes: true,
+    returns_without_mission: false,
+
+    commands: CommandSet::Generic,
+    targets: TargetSet::Generic,
+    acknowledges_set_mode: true,
+    tells_origin: true,
+
+    tells_arming_reason: false,
+
+    first_mission_item: 0,
+    resumes_after_upload: false,
+    takes_off_before_mission: true,
+    return_item_stays_current: false,
+    nan_params_are_left_out: true,
+    upload_can_be_broken_off: true,
+    asks_by_old_message: false,
+    mission_mode_suspended: 2,
+
+    // Clients do not agree on how an unknown autopilot encodes whole numbers: it has none.
+    parameter: |parameter| (parameter.name(), MavParamType::MAV_PARAM_TYPE_REAL32),
+    tells_whole_numbers_as_floats: true,
+    more_streams: &[],
+    ..arduplane::RULES
+};
 
 /// The modes that a client can set.
 pub(super) const MODES: [Mode; 11] = [
@@ -49,76 +76,4 @@ pub(super) fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
     flags.set(MavModeFlag::MAV_MODE_FLAG_AUTO_ENABLED, !mode.is_manual() && mode != Mode::Guided);
     flags.set(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, armed);
     flags
-}
-
-impl Vehicle {
-    pub(super) fn execute_generic(&mut self, command: &Command) -> Option<Result<(), Refusal>> {
-        let [p1, p2, p3, _] = command.params;
-        Some(match command.command {
-            MavCmd::MAV_CMD_DO_SET_MODE if p2 == LAND as f32 => self.enter(Mode::Land),
-            MavCmd::MAV_CMD_DO_SET_MODE if matches!(integer(p2), PX4_AUTO | PX4_OFFBOARD) => {
-                px4::commanded_mode([p1, p2, p3]).and_then(|mode| self.enter_as_px4(mode))
-            }
-            MavCmd::MAV_CMD_NAV_LAND => self.enter(Mode::Land),
-            MavCmd::MAV_CMD_NAV_TAKEOFF => self.generic_take_off(command),
-            _ => return None,
-        })
-    }
-
-    fn enter_as_px4(&mut self, mode: Mode) -> Result<(), Refusal> {
-        match mode {
-            Mode::Offboard => self.enter(Mode::Guided),
-            mode if MODES.contains(&mode) => self.enter(mode),
-            mode => Err(Refusal::failed(format!("No mode {}", px4::mode_name(mode)))),
-        }
-    }
-
-    /// z: the altitude, above what the frame says; not a number, or 0: TKOFF_ALT above home.
-    fn generic_take_off(&mut self, command: &Command) -> Result<(), Refusal> {
-        if command.z.is_infinite() {
-            check_finite("Takeoff", &[command.z])?;
-        }
-        if !self.flight.is_armed() {
-            return Err(Refusal::failed("Takeoff: not armed"));
-        }
-        let altitude_m = match command.z {
-            z if z.is_nan() || z == 0.0 => None,
-            z => Some(self.altitude_m("Takeoff", z, command.frame)?),
-        };
-        self.enter(Mode::Takeoff)?;
-        if let Some(altitude_m) = altitude_m {
-            self.flight.take_off(altitude_m.max(self.flight.state().altitude_m));
-        }
-        Ok(())
-    }
-
-    pub(super) fn generic_take_local_target(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
-        let target = PositionTarget::from_local(data, self.flight.state().course_rad);
-        self.generic_take_target(target);
-    }
-
-    pub(super) fn generic_take_global_target(&mut self, data: &SET_POSITION_TARGET_GLOBAL_INT_DATA) {
-        let target = PositionTarget::from_global(
-            data,
-            |position| self.to_local(position),
-            |altitude_m, frame| self.altitude_m("Setpoint", altitude_m, frame).ok(),
-        );
-        self.generic_take_target(target);
-    }
-
-    /// In GUIDED all is flown that asks for a place, a velocity, an altitude or a rate of climb.
-    fn generic_take_target(&mut self, target: Result<PositionTarget, TargetRefused>) {
-        let reason = match target {
-            Ok(_) if self.mode() != Mode::Guided => format!("mode is {}", self.mode()),
-            Ok(target) if target.is_flyable() => {
-                self.counters.setpoints_accepted += 1;
-                self.fly_target(&target);
-                self.restart_setpoint_timeout();
-                return;
-            }
-            Ok(target) => format!("mask {:#05x} is not followed", target.mask),
-            Err(reason) => reason,
-        };
-        self.refuse_setpoint(MavSeverity::MAV_SEVERITY_WARNING, &format!("Setpoint refused: {reason}"));
-    }
 }

@@ -1,6 +1,7 @@
 //! Which messages a PX4 sends at a rate, and which of them it sends when it is asked (`mavlink_messages.cpp`).
 
 use super::super::offers::Offer;
+use crate::autopilot::Autopilot;
 use crate::telemetry::streams::Stream;
 
 /// The messages that have a rate. One without content (no such sensor, no such device) has a rate all the same.
@@ -20,5 +21,20 @@ pub(in crate::firmware) fn offer(message_id: u32) -> Offer {
         Some(stream) if is_known => Offer::Sent(stream),
         _ if is_known => Offer::RateAlone,
         _ => Offer::None,
+    }
+}
+
+/// Whether a message has content: no place to fly to is told on the ground, and sticks that nobody holds.
+pub(in crate::firmware) fn has(autopilot: &Autopilot, stream: Stream) -> bool {
+    match stream {
+        Stream::NavControllerOutput | Stream::PositionTargetGlobalInt | Stream::PositionTargetLocalNed => {
+            autopilot.flight.is_flying()
+        }
+        Stream::RcChannels => autopilot.are_sticks_held(),
+        // It has one sensor of each.
+        Stream::ScaledImu2 | Stream::ScaledImu3 | Stream::ScaledPressure2 => false,
+        // For a radio link of its own.
+        Stream::HighLatency2 => false,
+        _ => true,
     }
 }

@@ -1,10 +1,10 @@
 //! Which items a PX4 takes into a plan, by their frame (`parse_mavlink_mission_item` of `mavlink_mission.cpp`).
 
 use super::params;
-use crate::protocol::command::ALTITUDE_MAX_M;
-use crate::protocol::mission::PlanKind;
+use crate::autopilot::input::ALTITUDE_MAX_M;
+use crate::autopilot::plan::PlanKind;
+use crate::error::PlanError;
 use mavlink_bridge::PlanItem;
-use mavlink_bridge::dialect::MavMissionResult;
 
 /// Items with a place: above sea level (frames 0 and 5) or above home (3 and 6).
 const WITH_PLACE: [u16; 20] =
@@ -22,12 +22,12 @@ const REGIONS_OF_INTEREST: [u16; 2] = [80, 201];
 const GLOBAL_FRAMES: [u8; 4] = [0, 3, 5, 6];
 const MISSION_FRAME: u8 = 2;
 
-/// Whether an item can be one of a plan; the result code that says why not. `by_integers`: it came as MISSION_ITEM_INT.
-pub(in crate::firmware) fn check(kind: PlanKind, item: &PlanItem, by_integers: bool) -> Result<(), MavMissionResult> {
+/// Whether an item can be one of a plan; or why not. `by_integers`: it came as MISSION_ITEM_INT.
+pub(in crate::firmware) fn check(kind: PlanKind, item: &PlanItem, by_integers: bool) -> Result<(), PlanError> {
     // The numbers of the INT messages' own frames are none in the older one.
     let has_place = GLOBAL_FRAMES.contains(&item.frame) && (by_integers || item.frame < 5);
     if !has_place && item.frame != MISSION_FRAME {
-        return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED_FRAME);
+        return Err(PlanError::UnsupportedFrame);
     }
     params::check_item(item, by_integers && has_place)?;
     if REGIONS_OF_INTEREST.contains(&item.command) {
@@ -39,13 +39,13 @@ pub(in crate::firmware) fn check(kind: PlanKind, item: &PlanItem, by_integers: b
         WITHOUT_PLACE.contains(&item.command) || item.command == DO_WINCH
     };
     if !is_known {
-        return Err(MavMissionResult::MAV_MISSION_UNSUPPORTED);
+        return Err(PlanError::Unsupported);
     }
     match kind {
-        PlanKind::Mission if OF_OTHER_PLANS.contains(&item.command) => Err(MavMissionResult::MAV_MISSION_ERROR),
+        PlanKind::Mission if OF_OTHER_PLANS.contains(&item.command) => Err(PlanError::OtherPlan),
         // The only thing that is looked at of a fence before it is whole: a polygon has three corners.
         PlanKind::Fence if matches!(item.command, 5001 | 5002) && ((item.params[0] + 0.5) as u16) < 3 => {
-            Err(MavMissionResult::MAV_MISSION_ERROR)
+            Err(PlanError::TooFewVertices(item.params[0] as u8))
         }
         // A PX4 takes any numbers. We fly by them: they must be numbers that can be flown.
         PlanKind::Mission => check_numbers(item, has_place),
@@ -54,33 +54,27 @@ pub(in crate::firmware) fn check(kind: PlanKind, item: &PlanItem, by_integers: b
 }
 
 /// MAV_ROI of param 1: a location or none with a place; none, the next waypoint or a waypoint without.
-fn check_region(mode: f32, has_place: bool) -> Result<(), MavMissionResult> {
+fn check_region(mode: f32, has_place: bool) -> Result<(), PlanError> {
     let known: &[i32] = if has_place { &[0, 3] } else { &[0, 1, 2] };
-    if known.contains(&(mode as i32)) { Ok(()) } else { Err(MavMissionResult::MAV_MISSION_INVALID_PARAM1) }
+    if known.contains(&(mode as i32)) { Ok(()) } else { Err(PlanError::InvalidParam(1)) }
 }
 
-fn check_numbers(item: &PlanItem, has_place: bool) -> Result<(), MavMissionResult> {
-    const INVALID: [MavMissionResult; 4] = [
-        MavMissionResult::MAV_MISSION_INVALID_PARAM1,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM2,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM3,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM4,
-    ];
-    if let Some((_, result)) = item.params.iter().zip(INVALID).find(|(param, _)| param.is_infinite()) {
-        return Err(result);
+fn check_numbers(item: &PlanItem, has_place: bool) -> Result<(), PlanError> {
+    if let Some((_, param)) = item.params.iter().zip(1..=4).find(|(param, _)| param.is_infinite()) {
+        return Err(PlanError::InvalidParam(param));
     }
     if !has_place {
         return Ok(());
     }
     let is_off = |coordinate: i32, most: u32| !params::is_no_coordinate(coordinate) && coordinate.unsigned_abs() > most;
     if is_off(item.latitude_e7, 900_000_000) {
-        return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM5_X);
+        return Err(PlanError::InvalidParam(5));
     }
     if is_off(item.longitude_e7, 1_800_000_000) {
-        return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y);
+        return Err(PlanError::InvalidParam(6));
     }
     if item.z_m.is_nan() || item.z_m.abs() >= ALTITUDE_MAX_M {
-        return Err(MavMissionResult::MAV_MISSION_INVALID_PARAM7);
+        return Err(PlanError::InvalidParam(7));
     }
     Ok(())
 }
@@ -101,13 +95,12 @@ mod tests {
 
     #[test]
     fn an_item_is_checked_by_its_frame_then_by_its_params_then_by_its_command() {
-        use MavMissionResult as Result;
         for (item, result) in [
             (POINT, None),
-            (PlanItem { frame: 11, ..POINT }, Some(Result::MAV_MISSION_UNSUPPORTED_FRAME)),
-            (PlanItem { frame: 2, ..POINT }, Some(Result::MAV_MISSION_UNSUPPORTED)),
-            (PlanItem { command: 178, ..POINT }, Some(Result::MAV_MISSION_INVALID_PARAM5_X)),
-            (PlanItem { command: 18, params: [-1.0; 4], ..POINT }, Some(Result::MAV_MISSION_UNSUPPORTED)),
+            (PlanItem { frame: 11, ..POINT }, Some(PlanError::UnsupportedFrame)),
+            (PlanItem { frame: 2, ..POINT }, Some(PlanError::Unsupported)),
+            (PlanItem { command: 178, ..POINT }, Some(PlanError::InvalidParam(5))),
+            (PlanItem { command: 18, params: [-1.0; 4], ..POINT }, Some(PlanError::Unsupported)),
             (
                 PlanItem {
                     command: 201,
@@ -118,25 +111,16 @@ mod tests {
                     z_m: 0.0,
                     ..POINT
                 },
-                Some(Result::MAV_MISSION_INVALID_PARAM1),
+                Some(PlanError::InvalidParam(1)),
             ),
-            (
-                PlanItem { command: 5003, params: [9.0, 0.0, 0.0, 0.0], ..POINT },
-                Some(Result::MAV_MISSION_INVALID_PARAM7),
-            ),
-            (
-                PlanItem { command: 5003, params: [9.0, 0.0, 0.0, 0.0], z_m: 0.0, ..POINT },
-                Some(Result::MAV_MISSION_ERROR),
-            ),
-            (PlanItem { z_m: f32::INFINITY, ..POINT }, Some(Result::MAV_MISSION_INVALID_PARAM7)),
+            (PlanItem { command: 5003, params: [9.0, 0.0, 0.0, 0.0], ..POINT }, Some(PlanError::InvalidParam(7))),
+            (PlanItem { command: 5003, params: [9.0, 0.0, 0.0, 0.0], z_m: 0.0, ..POINT }, Some(PlanError::OtherPlan)),
+            (PlanItem { z_m: f32::INFINITY, ..POINT }, Some(PlanError::InvalidParam(7))),
             (PlanItem { latitude_e7: i32::MAX, ..POINT }, None),
         ] {
             assert_eq!(check(PlanKind::Mission, &item, true).err(), result, "{item:?}");
         }
-        assert_eq!(
-            check(PlanKind::Mission, &PlanItem { frame: 6, ..POINT }, false),
-            Err(Result::MAV_MISSION_UNSUPPORTED_FRAME)
-        );
+        assert_eq!(check(PlanKind::Mission, &PlanItem { frame: 6, ..POINT }, false), Err(PlanError::UnsupportedFrame));
     }
 
     #[test]
@@ -144,7 +128,7 @@ mod tests {
         let fence = PlanItem { command: 5003, z_m: 0.0, params: [0.0; 4], latitude_e7: 0, longitude_e7: 0, ..POINT };
         assert_eq!(check(PlanKind::Fence, &fence, true), Ok(()));
         let polygon = PlanItem { command: 5001, ..fence };
-        for (corners, result) in [(2.4, Err(MavMissionResult::MAV_MISSION_ERROR)), (2.5, Ok(())), (70_000.0, Ok(()))] {
+        for (corners, result) in [(2.4, Err(PlanError::TooFewVertices(2))), (2.5, Ok(())), (70_000.0, Ok(()))] {
             let polygon = PlanItem { params: [corners, 0.0, 0.0, 0.0], ..polygon };
             assert_eq!(check(PlanKind::Fence, &polygon, true), result, "{corners}");
         }

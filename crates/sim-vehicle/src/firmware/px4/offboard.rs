@@ -6,16 +6,12 @@
 // PX4 looks for the older numbers of the frames.
 #![allow(deprecated)]
 
-use super::Failsafe;
-use crate::firmware::targets::{PositionTarget, TargetRefused};
+use crate::autopilot::Autopilot;
+use crate::error::Severity;
+use crate::firmware::targets::{PositionTarget, TargetError, fly_target};
 use crate::mode::Mode;
-use crate::parameters::Parameter;
-use crate::vehicle::Vehicle;
 use mavlink_bridge::AltitudeDatum;
-use mavlink_bridge::dialect::{
-    MavFrame, MavSeverity, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
-};
-use std::time::Duration;
+use mavlink_bridge::dialect::{MavFrame, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA};
 
 /// The numbers of the global frames that PX4 looks for.
 const INT_FRAMES: [u8; 3] = [
@@ -24,64 +20,54 @@ const INT_FRAMES: [u8; 3] = [
     MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT as u8,
 ];
 
-impl Vehicle {
-    pub(in crate::firmware) fn px4_take_local_target(&mut self, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
-        let target = PositionTarget::from_local(data, self.flight.state().course_rad);
-        self.take_target(target);
-    }
+pub(in crate::firmware) fn take_local(autopilot: &mut Autopilot, data: &SET_POSITION_TARGET_LOCAL_NED_DATA) {
+    let target = PositionTarget::from_local(data, autopilot.flight.state().course_rad);
+    take_target(autopilot, target);
+}
 
-    /// Altitudes above the sea, above home or above the terrain, in the numbers of INT messages alone.
-    pub(in crate::firmware) fn px4_take_global_target(&mut self, data: &SET_POSITION_TARGET_GLOBAL_INT_DATA) {
-        let target = PositionTarget::from_global(
-            data,
-            |position| self.to_local(position),
-            |altitude_m, frame| {
-                let datum = AltitudeDatum::of_frame(frame).filter(|_| INT_FRAMES.contains(&frame));
-                datum.map(|datum| self.above_origin_m(datum, f64::from(altitude_m)))
-            },
-        );
-        self.take_target(target);
-    }
+/// Altitudes above the sea, above home or above the terrain, in the numbers of INT messages alone.
+pub(in crate::firmware) fn take_global(autopilot: &mut Autopilot, data: &SET_POSITION_TARGET_GLOBAL_INT_DATA) {
+    let target = PositionTarget::from_global(
+        data,
+        |position| autopilot.reference().locate(position),
+        |altitude_m, frame| {
+            let datum = AltitudeDatum::of_frame(frame).filter(|_| INT_FRAMES.contains(&frame));
+            datum.map(|datum| autopilot.reference().above_origin_m(datum, f64::from(altitude_m)))
+        },
+    );
+    take_target(autopilot, target);
+}
 
-    /// SET_ATTITUDE_TARGET keeps the stream alive, and is not followed.
-    pub(crate) fn px4_take_attitude(&mut self) {
-        self.px4.setpoint_heard = Some(self.time);
-        if self.mode() == Mode::Offboard {
-            self.refuse_target("Offboard: attitudes are not followed");
-        }
+/// SET_ATTITUDE_TARGET keeps the stream alive, and is not followed.
+pub(crate) fn take_attitude(autopilot: &mut Autopilot) {
+    autopilot.hear_offboard_setpoint();
+    if autopilot.mode() == Mode::Offboard {
+        refuse_target(autopilot, "Offboard: attitudes are not followed");
     }
+}
 
-    /// Whether setpoints have come of late.
-    pub(super) fn has_offboard_stream(&self) -> bool {
-        let timeout_s = self.parameters.get(Parameter::OffboardTimeout);
-        let is_recent = |heard: Duration| self.time.saturating_sub(heard).as_secs_f32() <= timeout_s;
-        // In lockstep time stands still between setpoints.
-        self.lockstep.is_some() || self.px4.setpoint_heard.is_some_and(is_recent)
+/// Any target keeps the stream alive; one that says where to and how high is flown, in Offboard.
+fn take_target(autopilot: &mut Autopilot, target: Result<PositionTarget, TargetError>) {
+    let target = match target {
+        Ok(target) if target.asks_for_anything => target,
+        Ok(_) => return refuse_target(autopilot, "SET_POSITION_TARGET invalid"),
+        Err(reason) => return refuse_target(autopilot, &format!("Offboard: {reason}")),
+    };
+    autopilot.hear_offboard_setpoint();
+    if autopilot.session.failsafes.streams.ends_with_setpoints() {
+        autopilot.set_mode(Mode::Offboard);
+        autopilot.say(Severity::Info, "Offboard signal regained");
     }
+    if autopilot.mode() != Mode::Offboard {
+        return;
+    }
+    if !target.is_complete() {
+        return refuse_target(autopilot, &format!("Offboard: mask {:#05x} is not followed", target.mask));
+    }
+    autopilot.count_setpoint();
+    fly_target(autopilot, &target);
+}
 
-    /// Any target keeps the stream alive; one that says where to and how high is flown, in Offboard.
-    fn take_target(&mut self, target: Result<PositionTarget, TargetRefused>) {
-        let target = match target {
-            Ok(target) if target.asks_for_anything => target,
-            Ok(_) => return self.refuse_target("SET_POSITION_TARGET invalid"),
-            Err(reason) => return self.refuse_target(&format!("Offboard: {reason}")),
-        };
-        self.px4.setpoint_heard = Some(self.time);
-        if self.px4.failsafe.is_some_and(Failsafe::ends_with_setpoints) {
-            self.set_mode(Mode::Offboard);
-            self.say(MavSeverity::MAV_SEVERITY_INFO, "Offboard signal regained");
-        }
-        if self.mode() != Mode::Offboard {
-            return;
-        }
-        if !target.is_complete() {
-            return self.refuse_target(&format!("Offboard: mask {:#05x} is not followed", target.mask));
-        }
-        self.counters.setpoints_accepted += 1;
-        self.fly_target(&target);
-    }
-
-    fn refuse_target(&mut self, reason: &str) {
-        self.refuse_setpoint(MavSeverity::MAV_SEVERITY_CRITICAL, reason);
-    }
+fn refuse_target(autopilot: &mut Autopilot, reason: &str) {
+    autopilot.refuse_setpoint(Severity::Critical, reason);
 }

@@ -1,7 +1,7 @@
-//! PX4's names and types of the parameters. A parameter that PX4 has nothing like keeps its name and is read as a float or
-//! as an integer of 32 bits, the only types that PX4 has.
+//! PX4's names and types of the parameters. A parameter that PX4 has nothing like keeps its name and is read as a float
+//! or as an integer of 32 bits, the only types that PX4 has.
 
-use crate::parameters::Parameter;
+use crate::parameters::table::Parameter;
 use mavlink_bridge::dialect::MavParamType::{self, MAV_PARAM_TYPE_INT32 as INT32, MAV_PARAM_TYPE_REAL32 as REAL};
 
 /// Parameters that only a PX4 has.
@@ -16,8 +16,8 @@ pub(in crate::firmware) const OWN_PARAMETERS: &[Parameter] = &[
     Parameter::FailureInjection,
 ];
 
-/// Parameters that a PX4 has not: its own failsafes and checks stand in for them, its rates are asked for by message, and any ground
-/// station counts.
+/// Parameters that a PX4 has not: its own failsafes and checks stand in for them, its rates are asked for by message,
+/// and any ground station counts.
 pub(in crate::firmware) const ABSENT_PARAMETERS: &[Parameter] = &[
     Parameter::GroundSystemId,
     Parameter::RateRawSensors,

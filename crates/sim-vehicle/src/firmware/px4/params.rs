@@ -3,8 +3,8 @@
 //! A param is left out as 0 or NaN. The integers x and y of a mission item with a place are left out as INT32_MAX or
 //! INT32_MIN alone.
 
-use crate::protocol::command::{Command, Refusal};
-use mavlink_bridge::dialect::MavMissionResult;
+use crate::error::{CommandError, PlanError};
+use crate::protocol::command::request::Command;
 use mavlink_bridge::{CommandPosition, LatLonE7, PlanItem};
 
 /// A command, the params that its mission item uses, and those that the command itself uses: each digit is one param.
@@ -89,7 +89,7 @@ fn row(command: u16) -> Option<&'static (u16, u32, u32)> {
 }
 
 /// A param that the command does not use is DENIED.
-pub(super) fn check_command(command: &Command) -> Result<(), Refusal> {
+pub(super) fn check_command(command: &Command) -> Result<(), CommandError> {
     let used = row(command.command as u32 as u16).map(|(_, _, used)| *used);
     let [p1, p2, p3, p4] = command.params.map(|param| !is_left_out(param));
     let [p5, p6] = match command.position {
@@ -98,30 +98,21 @@ pub(super) fn check_command(command: &Command) -> Result<(), Refusal> {
         CommandPosition::Long(params) => params.map(|param| !is_left_out(param)),
     };
     match first_unused(used, [p1, p2, p3, p4, p5, p6, !is_left_out(command.z)]) {
-        Some(param) => Err(Refusal::denied(format!("Command: param {param} is not supported"))),
+        Some(param) => Err(CommandError::denied(format!("Command: param {param} is not supported"))),
         None => Ok(()),
     }
 }
 
 /// A param that the mission item does not use is INVALID_PARAM1 to 7. `by_integers`: it came as MISSION_ITEM_INT and has a
 /// place.
-pub(super) fn check_item(item: &PlanItem, by_integers: bool) -> Result<(), MavMissionResult> {
-    const INVALID: [MavMissionResult; 7] = [
-        MavMissionResult::MAV_MISSION_INVALID_PARAM1,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM2,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM3,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM4,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM5_X,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM6_Y,
-        MavMissionResult::MAV_MISSION_INVALID_PARAM7,
-    ];
+pub(super) fn check_item(item: &PlanItem, by_integers: bool) -> Result<(), PlanError> {
     let used = row(item.command).map(|(_, used, _)| *used);
     let [p1, p2, p3, p4] = item.params.map(|param| !is_left_out(param));
     let is_given = |coordinate: i32| !is_no_coordinate(coordinate) && (by_integers || coordinate != 0);
     let coordinates = [item.latitude_e7, item.longitude_e7].map(is_given);
     let [p5, p6] = coordinates;
     match first_unused(used, [p1, p2, p3, p4, p5, p6, !is_left_out(item.z_m)]) {
-        Some(param) => Err(INVALID[usize::from(param) - 1]),
+        Some(param) => Err(PlanError::InvalidParam(param)),
         None => Ok(()),
     }
 }
@@ -162,11 +153,11 @@ mod tests {
     fn what_is_left_out_is_0_or_nan_and_as_an_integer_the_bounds() {
         let jump = PlanItem { command: 177, params: [0.0, 3.0, f32::NAN, 0.0], z_m: f32::NAN, ..PlanItem::default() };
         assert_eq!(check_item(&jump, false), Ok(()));
-        assert_eq!(check_item(&jump, true), Err(MavMissionResult::MAV_MISSION_INVALID_PARAM5_X));
+        assert_eq!(check_item(&jump, true), Err(PlanError::InvalidParam(5)));
         let nowhere = PlanItem { latitude_e7: i32::MAX, longitude_e7: i32::MIN, ..jump };
         assert_eq!(check_item(&nowhere, true), Ok(()));
         let turned = PlanItem { params: [0.0, 3.0, 0.0, -1.0], ..jump };
-        assert_eq!(check_item(&turned, false), Err(MavMissionResult::MAV_MISSION_INVALID_PARAM4));
+        assert_eq!(check_item(&turned, false), Err(PlanError::InvalidParam(4)));
         // NAV_LOITER_TURNS, which a PX4 has not.
         assert_eq!(check_item(&PlanItem { command: 18, params: [9.0; 4], ..jump }, true), Ok(()));
     }

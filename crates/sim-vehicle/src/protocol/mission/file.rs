@@ -1,8 +1,9 @@
-//! Plans that survive a restart: for each vehicle a text file of its mission, its fence and its rally points, in the form
-//! "QGC WPL 110" that ground stations write and read
+//! Plans that survive a restart: for each vehicle a text file of its mission, its fence and its rally points, in the
+//! form "QGC WPL 110" that ground stations write and read
 //! (<https://mavlink.io/en/file_formats/#mission_plain_text_file>). There is no file of an empty plan.
 
-use super::{PlanKind, Plans, check_items};
+use super::check::check_items;
+use crate::autopilot::plan::{PlanKind, Plans};
 use crate::firmware::Personality;
 use mavlink_bridge::PlanItem;
 use std::fmt::Write as _;
@@ -105,7 +106,7 @@ fn parse(kind: PlanKind, text: &str, personality: Personality) -> Result<Vec<Pla
     }
     let at = |seq: usize| numbers.get(seq).or(numbers.last()).copied().unwrap_or(1);
     // Whether item 0 is home is the vehicle's to say, which looks at them again.
-    check_items(kind, &items, personality).map_err(|(seq, reason)| (at(seq), reason))?;
+    check_items(personality.rules(), kind, &items).map_err(|(seq, reason)| (at(seq), reason))?;
     Ok(items)
 }
 

@@ -1,7 +1,8 @@
 //! PX4's checksum of all parameters, by which a ground station knows whether those that it has kept are still right
 //! (`param_hash_check` of PX4's parameters.cpp).
 
-use crate::parameters::{Listed, Parameter, Parameters};
+use crate::parameters::table::Parameter;
+use crate::parameters::{Listed, Parameters};
 
 /// The name under which it is asked for.
 pub(super) const NAME: &str = "_HASH_CHECK";

@@ -1,24 +1,37 @@
-//! The parameter protocol: what is asked, and how it is answered.
+//! The parameter protocol (<https://mavlink.io/en/services/parameter.html>): what is asked, and how it is answered.
 
 mod hash;
 mod pace;
+mod start;
 
 pub(crate) use pace::Pace;
 
-use crate::firmware::Personality;
+use crate::error::{ParameterError, Severity};
+use crate::host::system_ids::SystemIds;
 use crate::links::PeerId;
-use crate::parameters::{Effect, Listed, Parameter, ParameterRefused};
-use crate::telemetry::streams::Stream;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::{MavParamError, MavParamType, MavSeverity, Message};
+use crate::parameters::Listed;
+use crate::parameters::table::{Effect, Parameter, RateGroup};
+use crate::telemetry::announce::Component;
+use crate::telemetry::streams::{Stream, groups};
+use mavlink_bridge::dialect::{MavParamError, MavParamType, Message};
 use mavlink_bridge::{ParameterRequest, Target, parameter_error, parameter_value};
 use pace::PARAMETERS_AT_ONCE;
+use std::sync::Arc;
 use std::time::Duration;
 
-/// The lists that are under way, one for each peer that has asked.
+/// The lists that are under way, and what vehicles share that have peers or a port in common.
 #[derive(Debug, Default)]
-pub(crate) struct Listings(Vec<Listing>);
+pub(crate) struct ParameterService {
+    listings: Vec<Listing>,
+    pace: Arc<Pace>,
+    /// The system ids behind its port, and its place among them.
+    ids: Arc<SystemIds>,
+    place: usize,
+    /// Whether a parameter has been set since somebody asked.
+    has_changed: bool,
+}
 
+/// A list that is under way, one for each peer that has asked.
 #[derive(Debug)]
 struct Listing {
     peer: PeerId,
@@ -27,194 +40,203 @@ struct Listing {
     due: Duration,
 }
 
-impl Listings {
+impl ParameterService {
+    /// Lets vehicles that may have the same peers share the pace at which these are sent lists of parameters.
+    pub fn keep_pace(&mut self, pace: Arc<Pace>) {
+        self.pace = pace;
+    }
+
+    /// Tells a vehicle whom it shares a port with.
+    pub fn share_port(&mut self, ids: Arc<SystemIds>, place: usize) {
+        (self.ids, self.place) = (ids, place);
+    }
+
     /// The earliest host time at which more of a list is to be sent.
     pub fn next_due(&self) -> Option<Duration> {
-        self.0.iter().map(|listing| listing.due).min()
+        self.listings.iter().map(|listing| listing.due).min()
     }
-}
 
-impl Vehicle {
-    pub(crate) fn serve_parameter(&mut self, link: usize, sender: Target, request: &ParameterRequest) {
+    /// Nobody has asked for a list.
+    pub fn forget_listings(&mut self) {
+        self.listings.clear();
+    }
+
+    /// Whether a parameter has been set since this was last asked.
+    pub fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.has_changed)
+    }
+
+    pub fn serve(&mut self, component: &mut Component, link: usize, sender: Target, request: &ParameterRequest) {
         match request {
             ParameterRequest::List => {
-                let peer = self.links.peer(link);
-                // Clients that ask for all this have just connected: some learn from the next heartbeat whom they talk to.
-                self.send_stream(link, Stream::Heartbeat);
-                let due = self.pace.reserve(peer, self.host_now);
+                let peer = component.peers().peer(link);
+                // Clients that ask for all this have just connected: some learn from the next heartbeat whom they talk
+                // to.
+                component.send_stream(link, Stream::Heartbeat);
+                let due = self.pace.reserve(peer, component.host_now);
                 // Asked again, it begins again.
-                self.listings.0.retain(|listing| listing.peer != peer);
-                self.listings.0.push(Listing { peer, next: 0, due });
-                self.send_listings();
+                self.listings.retain(|listing| listing.peer != peer);
+                self.listings.push(Listing { peer, next: 0, due });
+                self.send_listings(component);
             }
             ParameterRequest::ReadIndex(index) => {
                 // Only who completes a list asks by index.
-                self.links.slow_down(link);
-                match usize::try_from(*index).ok().and_then(|i| self.parameters.at(i)) {
-                    Some(listed) => self.send_parameter(link, listed, u16::try_from(*index).ok()),
+                component.links().slow_down(link);
+                match usize::try_from(*index).ok().and_then(|i| component.autopilot.parameters.at(i)) {
+                    Some(listed) => send(component, link, listed, u16::try_from(*index).ok()),
                     None => {
                         let reason = format!("No parameter of index {index}");
-                        self.refuse_parameter(
-                            link,
-                            sender,
-                            "",
-                            *index,
-                            MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST,
-                            &reason,
-                        );
+                        let error = MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST;
+                        refuse(component, link, &parameter_error("", *index, error, sender), &reason);
                     }
                 }
             }
-            ParameterRequest::ReadName(name) if name == hash::NAME && self.settings.personality == Personality::Px4 => {
-                let (hash, count) = (f32::from_bits(hash::of(&self.parameters)), self.parameters.count() as u16);
+            ParameterRequest::ReadName(name)
+                if name == hash::NAME && component.autopilot.rules().has_parameter_hash =>
+            {
+                let parameters = &component.autopilot.parameters;
+                let (hash, count) = (f32::from_bits(hash::of(parameters)), parameters.count() as u16);
                 let value = parameter_value(hash::NAME, MavParamType::MAV_PARAM_TYPE_UINT32, hash, count, None);
-                self.links.send(link, &value);
+                component.links().send(link, &value);
             }
-            ParameterRequest::ReadName(name) => match self.parameters.find(name) {
-                Some(listed) => self.send_parameter(link, listed, None),
-                None => self.refuse_unknown(link, sender, name),
+            ParameterRequest::ReadName(name) => match component.autopilot.parameters.find(name) {
+                Some(listed) => send(component, link, listed, None),
+                None => refuse_unknown(component, link, sender, name),
             },
-            ParameterRequest::Set { name, value, kind } => match self.parameters.find(name) {
-                Some(listed) => self.write_parameter(link, sender, listed, *value, *kind),
-                None => self.refuse_unknown(link, sender, name),
+            ParameterRequest::Set { name, value, kind } => match component.autopilot.parameters.find(name) {
+                Some(listed) => self.write(component, link, sender, listed, *value, *kind),
+                None => refuse_unknown(component, link, sender, name),
             },
         }
     }
 
     /// Sends what is due of the lists.
-    pub(crate) fn send_listings(&mut self) {
-        let mut listings = std::mem::take(&mut self.listings);
-        listings.0.retain_mut(|listing| {
-            let Some(link) = self.links.of_peer(listing.peer) else { return false };
-            self.links.slow_down(link);
-            while listing.due <= self.host_now && listing.next < self.parameters.count() {
+    pub fn send_listings(&mut self, component: &mut Component) {
+        let pace = &self.pace;
+        self.listings.retain_mut(|listing| {
+            let Some(link) = component.peers().of_peer(listing.peer) else { return false };
+            component.links().slow_down(link);
+            let count = component.autopilot.parameters.count();
+            while listing.due <= component.host_now && listing.next < count {
                 for index in listing.next..listing.next + PARAMETERS_AT_ONCE {
-                    if let Some(listed) = self.parameters.at(index) {
-                        self.send_parameter(link, listed, u16::try_from(index).ok());
+                    if let Some(listed) = component.autopilot.parameters.at(index) {
+                        send(component, link, listed, u16::try_from(index).ok());
                     }
                 }
                 listing.next += PARAMETERS_AT_ONCE;
-                listing.due = self.pace.reserve(listing.peer, self.host_now);
+                listing.due = pace.reserve(listing.peer, component.host_now);
             }
-            listing.next < self.parameters.count()
+            listing.next < count
         });
-        self.listings = listings;
     }
 
     /// Takes a value of a parameter, and does what it means.
-    pub(crate) fn set_parameter(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterRefused> {
-        self.parameters.set(parameter, value)?;
-        self.parameters_changed = true;
-        let value = self.parameters.get(parameter);
+    ///
+    /// # Errors
+    /// Where the parameter is only read, or the value is out of its range.
+    pub fn set(&mut self, component: &mut Component, parameter: Parameter, value: f32) -> Result<(), ParameterError> {
+        component.autopilot.set_parameter(parameter, value)?;
+        self.has_changed = true;
+        let value = component.autopilot.parameters.get(parameter);
         match parameter.row().effect {
             Effect::SystemId => {
                 // In range, so it fits.
-                self.settings.system_id = value as u8;
-                self.links.set_system_id(self.settings.system_id);
-                self.ids.set(self.place, self.settings.system_id);
+                let system_id = value as u8;
+                component.settings.system_id = system_id;
+                component.links().set_system_id(system_id);
+                self.ids.set(self.place, system_id);
             }
-            Effect::Rates(streams) => self.set_rates(streams, value),
-            Effect::Tuning => self.flight.retune(self.parameters.tuning(&self.settings)),
-            Effect::RadioLoss => self.links.set_loss(f64::from(value) / 100.0),
-            Effect::Battery => self.world.battery.replace(),
-            Effect::Fence => self.reconfigure_fence(parameter),
-            Effect::SetpointTimeout => self.restart_setpoint_timeout(),
+            Effect::Rates(group) => set_rates(component, group, value),
+            Effect::RadioLoss => component.links().set_loss(f64::from(value) / 100.0),
             Effect::LookedUp | Effect::ReadOnly => {}
+            Effect::Tuning | Effect::Battery | Effect::Fence | Effect::SetpointTimeout => {}
         }
         Ok(())
     }
 
-    fn write_parameter(&mut self, link: usize, sender: Target, listed: Listed, value: f32, kind: u8) {
+    fn write(&mut self, component: &mut Component, link: usize, sender: Target, listed: Listed, value: f32, kind: u8) {
         // Everybody hears of a change, from the system that they know.
-        let before = self.settings.system_id;
+        let before = component.settings.system_id;
         let taken = match listed {
             Listed::Acting(parameter) => {
-                let value = self.parameters.read_wire(parameter, value, kind);
+                let value = component.autopilot.parameters.read_wire(parameter, value, kind);
                 let value = value.and_then(|value| self.check_system_id(parameter, value));
-                value.and_then(|value| self.set_parameter(parameter, value))
+                value.and_then(|value| self.set(component, parameter, value))
             }
             Listed::Inert(index) => {
-                self.parameters_changed = true;
-                self.parameters.write_inert(index, value, kind)
+                self.has_changed = true;
+                component.autopilot.parameters.write_inert(index, value, kind)
             }
         };
         match taken {
             Ok(()) => {
-                let after = self.settings.system_id;
-                self.links.set_system_id(before);
-                self.links.send_all(&self.parameter_message(listed, None));
-                self.links.set_system_id(after);
+                let after = component.settings.system_id;
+                component.links().set_system_id(before);
+                tell_listed(component, listed);
+                component.links().set_system_id(after);
             }
             Err(refused) => {
                 let error = match refused {
-                    ParameterRefused::ReadOnly(_) => MavParamError::MAV_PARAM_ERROR_READ_ONLY,
-                    ParameterRefused::Type(_) => MavParamError::MAV_PARAM_ERROR_TYPE_MISMATCH,
+                    ParameterError::ReadOnly(_) => MavParamError::MAV_PARAM_ERROR_READ_ONLY,
+                    ParameterError::Type(_) => MavParamError::MAV_PARAM_ERROR_TYPE_MISMATCH,
                     _ => MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
                 };
-                let name = self.parameters.on_wire(listed, |_| 0.0).0.to_owned();
-                self.refuse_parameter(link, sender, &name, -1, error, &refused.to_string());
-                self.send_parameter(link, listed, None);
+                let name = component.autopilot.parameters.on_wire(listed, |_| 0.0).0;
+                let answer = parameter_error(name, -1, error, sender);
+                refuse(component, link, &answer, &refused.to_string());
+                send(component, link, listed, None);
             }
         }
     }
 
     /// Another vehicle's system id is not taken, if others stand behind the same port.
-    fn check_system_id(&self, parameter: Parameter, value: f32) -> Result<f32, ParameterRefused> {
+    fn check_system_id(&self, parameter: Parameter, value: f32) -> Result<f32, ParameterError> {
         let id = value as u8;
         if parameter == Parameter::SystemId && f32::from(id) == value.trunc() && self.ids.is_taken(self.place, id) {
-            return Err(ParameterRefused::SystemIdTaken(id));
+            return Err(ParameterError::SystemIdTaken(id));
         }
         Ok(value)
     }
+}
 
-    fn set_rates(&mut self, streams: &[Stream], rate_hz: f32) {
-        for &stream in streams {
-            stream.set_default_rate(&mut self.settings.rates, self.settings.personality, f64::from(rate_hz));
-        }
-        self.links.set_default_rates(&self.settings.rates, streams, self.time);
-    }
+/// Tells everybody what a parameter is.
+pub(crate) fn tell(component: &mut Component, parameter: Parameter) {
+    tell_listed(component, Listed::Acting(parameter));
+}
 
-    fn send_parameter(&mut self, link: usize, listed: Listed, index: Option<u16>) {
-        let message = self.parameter_message(listed, index);
-        self.links.send(link, &message);
-    }
+fn tell_listed(component: &mut Component, listed: Listed) {
+    let message = message(component, listed, None);
+    component.links().send_all(&message);
+}
 
-    /// What it is now.
-    pub(crate) fn parameter_value(&self, parameter: Parameter) -> f32 {
-        match parameter {
-            Parameter::RunTime => self.time.as_secs() as f32,
-            Parameter::MissionTotal => self.mission.items.len() as f32,
-            Parameter::FenceTotal => self.fence.total() as f32,
-            Parameter::RallyTotal => self.rally.items.len() as f32,
-            other => self.parameters.get(other),
-        }
+fn set_rates(component: &mut Component, group: RateGroup, rate_hz: f32) {
+    let (rules, streams) = (component.autopilot.rules(), groups::of(group));
+    for &stream in streams {
+        stream.set_default_rate(&mut component.settings.rates, rules, f64::from(rate_hz));
     }
+    let (rates, time) = (component.settings.rates, component.autopilot.time());
+    component.links().set_default_rates(&rates, streams, time);
+}
 
-    /// Tells everybody what it is.
-    pub(crate) fn tell_parameter(&mut self, parameter: Parameter) {
-        self.links.send_all(&self.parameter_message(Listed::Acting(parameter), None));
-    }
+fn send(component: &mut Component, link: usize, listed: Listed, index: Option<u16>) {
+    let message = message(component, listed, index);
+    component.links().send(link, &message);
+}
 
-    fn parameter_message(&self, listed: Listed, index: Option<u16>) -> Message {
-        let (name, kind, value) = self.parameters.on_wire(listed, |acting| self.parameter_value(acting));
-        parameter_value(name, kind, value, self.parameters.count() as u16, index)
-    }
+fn message(component: &Component, listed: Listed, index: Option<u16>) -> Message {
+    let autopilot = &component.autopilot;
+    let parameters = &autopilot.parameters;
+    let (name, kind, value) = parameters.on_wire(listed, |acting| autopilot.parameter_value(acting));
+    parameter_value(name, kind, value, parameters.count() as u16, index)
+}
 
-    fn refuse_unknown(&mut self, link: usize, sender: Target, name: &str) {
-        let reason = ParameterRefused::Unknown(name.to_owned()).to_string();
-        self.refuse_parameter(link, sender, name, -1, MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST, &reason);
-    }
+fn refuse_unknown(component: &mut Component, link: usize, sender: Target, name: &str) {
+    let reason = ParameterError::Unknown(name.to_owned()).to_string();
+    let error = MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST;
+    refuse(component, link, &parameter_error(name, -1, error, sender), &reason);
+}
 
-    fn refuse_parameter(
-        &mut self,
-        link: usize,
-        sender: Target,
-        name: &str,
-        index: i16,
-        error: MavParamError,
-        reason: &str,
-    ) {
-        self.say(MavSeverity::MAV_SEVERITY_WARNING, reason);
-        self.links.send(link, &parameter_error(name, index, error, sender));
-    }
+fn refuse(component: &mut Component, link: usize, answer: &Message, reason: &str) {
+    component.say(Severity::Warning, reason);
+    component.links().send(link, answer);
 }

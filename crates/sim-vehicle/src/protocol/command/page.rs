@@ -1,11 +1,14 @@
 //! Holds the table "Params that are read" of docs/mavlink.md to the code: a param that is not in it changes no answer.
 
+use crate::error::CommandResult;
+use crate::links::PeerId;
 use crate::mode::Mode;
-use crate::protocol::command::Command;
+use crate::protocol::Services;
+use crate::protocol::command::execute_by_number;
+use crate::protocol::command::request::Command;
 use crate::settings::VehicleSettings;
-use crate::vehicle::Vehicle;
-use mavlink_bridge::dialect::MavResult;
-use mavlink_bridge::{CommandPosition, LatLonE7};
+use crate::telemetry::announce::Component;
+use mavlink_bridge::{CommandPosition, LatLonE7, Version};
 
 const PAGE: &str = include_str!("../../../../../docs/mavlink.md");
 
@@ -22,26 +25,31 @@ fn rows() -> Vec<(u16, Vec<usize>)> {
     .collect()
 }
 
+/// How a command is refused; none: accepted.
+type Answer = Option<CommandResult>;
+
 /// What a vehicle answers, on the ground or in the air and in GUIDED.
-fn answer(number: u16, params: [f32; 7], is_int: bool, in_air: bool) -> MavResult {
+fn answer(number: u16, params: [f32; 7], is_int: bool, in_air: bool) -> Answer {
     let settings = VehicleSettings { on_ground: !in_air, ..VehicleSettings::default() };
-    let mut vehicle = Vehicle::new(settings).unwrap();
+    let mut component = Component::new(settings, false);
+    component.autopilot.start();
+    let (link, _) = component.hear(PeerId::from(([127, 0, 0, 1], 14550)), Version::V2);
     if in_air {
-        vehicle.set_mode(Mode::Guided);
+        component.autopilot.set_mode(Mode::Guided);
     }
     let [p1, p2, p3, p4, p5, p6, z] = params;
     let position = if is_int {
-        CommandPosition::Int(LatLonE7::new(p5 as i32, p6 as i32))
+        CommandPosition::Int(LatLonE7 { latitude_e7: p5 as i32, longitude_e7: p6 as i32 })
     } else {
         CommandPosition::Long([p5, p6])
     };
     let frame = is_int.then_some(3);
     let wire = mavlink_bridge::Command { number, params: [p1, p2, p3, p4], position, z, frame };
     let outcome = match Command::read(&wire) {
-        Some(command) => vehicle.execute(&command, 0),
-        None => vehicle.execute_by_number(&wire),
+        Some(command) => Services::default().execute(&mut component, &command, link),
+        None => execute_by_number(&mut component.autopilot, &wire),
     };
-    outcome.map_or_else(|refusal| refusal.result, |()| MavResult::MAV_RESULT_ACCEPTED)
+    outcome.err().map(|refusal| refusal.result)
 }
 
 /// Params with which a command that asks for some is accepted.
@@ -82,17 +90,17 @@ fn a_param_that_is_not_in_the_table_is_ignored() {
 #[test]
 fn a_param_of_the_table_changes_an_answer_where_it_is_refused() {
     for (number, param, value, is_int, in_air, expected) in [
-        (176, 2, 99.0, false, true, MavResult::MAV_RESULT_FAILED),
-        (178, 1, 2.0, false, true, MavResult::MAV_RESULT_FAILED),
-        (186, 2, 1.0, false, true, MavResult::MAV_RESULT_DENIED),
-        (192, 7, 0.0, true, true, MavResult::MAV_RESULT_DENIED),
-        (246, 1, 2.0, false, false, MavResult::MAV_RESULT_UNSUPPORTED),
-        (300, 1, 1.0, false, false, MavResult::MAV_RESULT_DENIED),
-        (400, 1, 2.0, false, false, MavResult::MAV_RESULT_UNSUPPORTED),
-        (511, 3, 1.0, false, false, MavResult::MAV_RESULT_DENIED),
-        (601, 1, 65_536.0, false, false, MavResult::MAV_RESULT_DENIED),
-        (43_000, 1, 1.0, false, true, MavResult::MAV_RESULT_DENIED),
-        (43_002, 1, 3.0, false, true, MavResult::MAV_RESULT_DENIED),
+        (176, 2, 99.0, false, true, Some(CommandResult::Failed)),
+        (178, 1, 2.0, false, true, Some(CommandResult::Failed)),
+        (186, 2, 1.0, false, true, Some(CommandResult::Denied)),
+        (192, 7, 0.0, true, true, Some(CommandResult::Denied)),
+        (246, 1, 2.0, false, false, Some(CommandResult::Unsupported)),
+        (300, 1, 1.0, false, false, Some(CommandResult::Denied)),
+        (400, 1, 2.0, false, false, Some(CommandResult::Unsupported)),
+        (511, 3, 1.0, false, false, Some(CommandResult::Denied)),
+        (601, 1, 65_536.0, false, false, Some(CommandResult::Denied)),
+        (43_000, 1, 1.0, false, true, Some(CommandResult::Denied)),
+        (43_002, 1, 3.0, false, true, Some(CommandResult::Denied)),
     ] {
         let mut params = accepted(number);
         params[param - 1] = value;
@@ -104,5 +112,5 @@ fn a_param_of_the_table_changes_an_answer_where_it_is_refused() {
 fn an_armed_vehicle_reboots_by_force_alone() {
     let refused = answer(246, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], false, true);
     let forced = [false, true].map(|is_int| answer(246, [1.0, 0.0, 0.0, 0.0, 0.0, 20_190_226.0, 0.0], is_int, true));
-    assert_eq!((refused, forced), (MavResult::MAV_RESULT_FAILED, [MavResult::MAV_RESULT_ACCEPTED; 2]));
+    assert_eq!((refused, forced), (Some(CommandResult::Failed), [None; 2]));
 }

@@ -16,7 +16,7 @@ const WITHOUT_POSITION: [u16; 27] = [
 ];
 
 /// Why a mission is not flown. `above_home_m` gives an item's altitude above home.
-pub(in crate::firmware) fn check(
+pub(crate) fn check(
     items: &[PlanItem],
     is_landed: bool,
     above_home_m: impl Fn(&PlanItem) -> f64,

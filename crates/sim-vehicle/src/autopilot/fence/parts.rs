@@ -1,7 +1,7 @@
 //! What a PX4 makes of an uploaded fence (`geofence.cpp`): each polygon and circle for itself, and none that home, or in
 //! flight the vehicle, is outside of.
 
-use crate::autopilot::fence::{Area, Place, Shape};
+use super::area::{Area, Place, Shape};
 use flight_model::{Geodetic, LocalFrame};
 use mavlink_bridge::PlanItem;
 
@@ -78,7 +78,7 @@ fn place(item: &PlanItem, frame: &LocalFrame) -> Place {
         longitude_deg: f64::from(item.longitude_e7) * 1e-7,
         altitude_amsl_m: frame.origin().altitude_amsl_m,
     });
-    (north_m, east_m)
+    Place::new(north_m, east_m)
 }
 
 #[cfg(test)]
@@ -86,10 +86,10 @@ mod tests {
     use super::*;
     use crate::settings::VehicleSettings;
 
-    const HOME: Place = (0.0, 0.0);
+    const HOME: Place = Place::new(0.0, 0.0);
 
-    fn item(command: u16, p1: f32, (north_m, east_m): Place) -> PlanItem {
-        let at = VehicleSettings::default().frame.to_geodetic(north_m, east_m, 0.0);
+    fn item(command: u16, p1: f32, at: Place) -> PlanItem {
+        let at = VehicleSettings::default().frame.to_geodetic(at.x, at.y, 0.0);
         PlanItem {
             command,
             params: [p1, 0.0, 0.0, 0.0],
@@ -99,9 +99,9 @@ mod tests {
         }
     }
 
-    fn square(command: u16, (x, y): Place) -> Vec<PlanItem> {
+    fn square(command: u16, middle: Place) -> Vec<PlanItem> {
         let corners = [(-10.0, -10.0), (10.0, -10.0), (10.0, 10.0), (-10.0, 10.0)];
-        corners.iter().map(|(dx, dy)| item(command, 4.0, (x + dx, y + dy))).collect()
+        corners.iter().map(|(dx, dy)| item(command, 4.0, middle + Place::new(*dx, *dy))).collect()
     }
 
     fn made(items: &[PlanItem], flying: Option<Place>) -> (usize, usize, Vec<&'static str>) {
@@ -115,7 +115,7 @@ mod tests {
         let mut items = square(POLYGON_INCLUSION, HOME);
         items.push(item(CIRCLE_INCLUSION, 0.0, HOME));
         assert_eq!(made(&items, None), (1, 0, vec![without_home]));
-        items.extend(square(POLYGON_EXCLUSION, (100.0, 0.0)));
+        items.extend(square(POLYGON_EXCLUSION, Place::new(100.0, 0.0)));
         items.push(item(CIRCLE_EXCLUSION, 50.0, HOME));
         assert_eq!(made(&items, None), (1, 1, vec![without_home; 2]));
     }
@@ -123,9 +123,9 @@ mod tests {
     #[test]
     fn in_flight_the_vehicle_must_be_inside_too() {
         let items = square(POLYGON_INCLUSION, HOME);
-        assert_eq!(made(&items, Some((5.0, 5.0))), (1, 0, vec![]));
+        assert_eq!(made(&items, Some(Place::new(5.0, 5.0))), (1, 0, vec![]));
         let said = vec!["Geofence invalid, doesn't contain current vehicle position"];
-        assert_eq!(made(&items, Some((50.0, 5.0))), (0, 0, said));
+        assert_eq!(made(&items, Some(Place::new(50.0, 5.0))), (0, 0, said));
     }
 
     #[test]

@@ -1,0 +1,109 @@
+//! Third phase: all are armed and take off together. Who is in the air climbs to a height of its own at once, and is on its
+//! way to its lane while the others follow.
+
+use super::gather::Gather;
+use super::told::Weight;
+use super::{Phase, Station, end, gather_phase, number};
+use flight_model::State;
+use mavlink_bridge::kind::{AutopilotKind, Launch};
+use std::time::Duration;
+
+/// Arms, and waits until all fly.
+pub struct TakeOff {
+    began: Duration,
+    gather: Gather,
+    flying: Vec<bool>,
+}
+
+impl TakeOff {
+    pub(super) fn new(station: &Station, now: Duration) -> Self {
+        let scenario = &station.scenario;
+        let gather = Gather::new(&scenario.starts, scenario.expected, &scenario.obstacles, &station.limits);
+        Self { began: now, gather, flying: vec![false; scenario.starts.len()] }
+    }
+
+    pub(super) fn step(mut self, station: &mut Station, now: Duration) -> Phase {
+        if station.stopped().is_some() {
+            return Phase::End(Box::new(end::End::new(None, now)));
+        }
+        station.watch_modes(now);
+        for index in station.crew() {
+            if !station.vehicles[index].is_ours() {
+                self.gather.leave(index);
+                continue;
+            }
+            if !self.flying[index] {
+                self.launch(station, index, now);
+            }
+        }
+        let flying: Vec<usize> = (0..self.flying.len()).filter(|&index| self.flying[index]).collect();
+        gather_phase::steer(&mut self.gather, station, &flying, now);
+        let ours = station.crew().filter(|&index| station.vehicles[index].is_ours());
+        let waiting: Vec<usize> = ours.filter(|&index| !self.flying[index]).collect();
+        if waiting.is_empty() {
+            return Phase::Gather(gather_phase::GatherPhase::new(self.gather, now));
+        }
+        if now.saturating_sub(self.began) > station.settings.ready_patience {
+            for index in waiting {
+                let vehicle = &station.vehicles[index];
+                let order = vehicle.orders.get("launch");
+                let answer = order.and_then(|order| order.answer.clone()).unwrap_or_else(|| "no answer".to_owned());
+                let words = vehicle.words_since(self.began).map(|words| format!(", {words}")).unwrap_or_default();
+                let what = if vehicle.armed { "did not leave the ground" } else { "was not armed" };
+                let text = format!("{what} in {} s: {answer}{words}", station.settings.ready_patience.as_secs());
+                station.told.tell(now.as_secs_f64(), Some(number(index)), Weight::Fault, text);
+            }
+            station.stop("not all took off", false);
+            return Phase::End(Box::new(end::End::new(None, now)));
+        }
+        Phase::TakeOff(self)
+    }
+
+    fn launch(&mut self, station: &mut Station, index: usize, now: Duration) {
+        let vehicle = &station.vehicles[index];
+        let Some(driver) = vehicle.driver().cloned() else { return };
+        let (target, seen) = (vehicle.target, vehicle.seen());
+        let height_m = self.height_m(station, index);
+        // Some follow only once a stream of setpoints runs.
+        if seen.armed
+            && !seen.on_ground
+            && driver.repeat_every().is_some()
+            && let Some(state) = station.state_now(index, now)
+        {
+            let setpoint = State { altitude_m: self.gather.layer_m(index), speed_mps: 0.0, ..state }.hold();
+            station.steer(index, &setpoint, now);
+        }
+        match driver.launch(target, &seen, height_m) {
+            Launch::Send(message) => {
+                station.order(index, "launch", message, now);
+                let vehicle = &station.vehicles[index];
+                if let Some(answer) = vehicle.orders.get("launch").and_then(|order| order.answer.clone())
+                    && answer != "ACCEPTED"
+                {
+                    let words = vehicle.words_since(self.began).map(|words| format!(" ({words})")).unwrap_or_default();
+                    let text = format!("does not take off yet: {answer}{words}");
+                    station.tell_once(index, &text.clone(), Weight::Note, text, now);
+                }
+            }
+            Launch::Wait => {}
+            Launch::Flying => {
+                self.flying[index] = true;
+                let vehicle = &mut station.vehicles[index];
+                vehicle.entered = true;
+                vehicle.orders.remove("launch");
+                let text = format!("is in the air, in {}", vehicle.mode_name());
+                station.tell_once(index, "airborne", Weight::Note, text, now);
+            }
+        }
+    }
+
+    /// Height above home that the take-off itself climbs to, m.
+    fn height_m(&self, station: &Station, index: usize) -> f64 {
+        let vehicle = &station.vehicles[index];
+        let is_copter = vehicle.driver().is_some_and(|driver| driver.kind() == AutopilotKind::ArduCopter);
+        let own = vehicle.limits.and_then(|limits| limits.takeoff_height_m).unwrap_or(50.0);
+        let home_amsl_m = vehicle.home.map_or(station.frame.origin().altitude_amsl_m, |home| home.altitude_amsl_m);
+        let layer_m = station.frame.origin().altitude_amsl_m + self.gather.layer_m(index) - home_amsl_m;
+        if is_copter { layer_m.max(3.0) } else { own }
+    }
+}

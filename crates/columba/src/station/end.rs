@@ -1,0 +1,140 @@
+//! Last phase: nobody is left alone. On completion, failure and Ctrl-C alike every vehicle is brought into the mode in which it
+//! is to stay, and that it is in it is seen, and told.
+//!
+//! Planes that circle where they are would meet: they first change to heights of their own, while the law still steers.
+
+use super::fly::Fly;
+use super::gather::Gather;
+use super::told::Weight;
+use super::{Phase, Station, number};
+use mavlink_bridge::dialect::MavCmd;
+use mavlink_bridge::kind::{AtEnd, command_long};
+use std::time::Duration;
+
+/// So long the change of heights may take.
+const SPREAD: Duration = Duration::from_secs(12);
+/// So long when somebody wants an end.
+const SPREAD_WISHED: Duration = Duration::from_secs(6);
+/// A vehicle at its height within this is there, m.
+const HEIGHT_M: f64 = 3.0;
+/// So long a mode may take.
+const PATIENCE: Duration = Duration::from_secs(12);
+/// What was flown at the very end is heard by then.
+const LISTEN: Duration = Duration::from_secs(1);
+
+/// Leaves every vehicle as it is to be left.
+pub struct End {
+    fly: Option<Box<Fly>>,
+    began: Duration,
+    heights: Option<Gather>,
+    ordered: Option<Duration>,
+}
+
+impl End {
+    pub(super) fn new(fly: Option<Box<Fly>>, now: Duration) -> Self {
+        Self { fly, began: now, heights: None, ordered: None }
+    }
+
+    pub(super) fn step(mut self: Box<Self>, station: &mut Station, now: Duration) -> Phase {
+        if let Some(fly) = &mut self.fly {
+            let until_s = fly.ended.unwrap_or(now).as_secs_f64();
+            fly.settle(station, now, until_s);
+        }
+        if self.ordered.is_none() && self.spread(station, now) {
+            return Phase::End(self);
+        }
+        let ordered = *self.ordered.get_or_insert(now);
+        let mut waiting = Vec::new();
+        for index in station.crew() {
+            if self.leave(station, index, now) {
+                waiting.push(index);
+            }
+        }
+        let since = now.saturating_sub(ordered);
+        let is_late = since > PATIENCE;
+        if (!waiting.is_empty() && !is_late) || since < LISTEN {
+            return Phase::End(self);
+        }
+        for index in waiting {
+            let vehicle = &station.vehicles[index];
+            let answer = vehicle.orders.get("end").and_then(|order| order.answer.clone());
+            let text = format!(
+                "was not seen to end as it should: it is in {}, {}",
+                vehicle.mode_name(),
+                answer.unwrap_or_else(|| "no answer".to_owned())
+            );
+            station.told.tell(now.as_secs_f64(), Some(number(index)), Weight::Fault, text);
+        }
+        if let Some(fly) = &mut self.fly {
+            fly.last(station, now);
+        }
+        Phase::Over(self.fly)
+    }
+
+    /// Changes heights; whether that still takes time.
+    fn spread(&mut self, station: &mut Station, now: Duration) -> bool {
+        let at_end = station.settings.at_end;
+        let Some(fly) = self.fly.as_mut().filter(|_| at_end != AtEnd::Continue) else { return false };
+        station.watch_modes(now);
+        let planes: Vec<usize> = station
+            .crew()
+            .filter(|&index| {
+                let vehicle = &station.vehicles[index];
+                vehicle.is_ours() && vehicle.follows() && vehicle.driver().is_some_and(|driver| !driver.kind().hovers())
+            })
+            .collect();
+        let wished = station.stopped().is_some_and(|stop| stop.wished);
+        let patience = if wished { SPREAD_WISHED } else { SPREAD };
+        if planes.len() < 2 || fly.is_paused() || now.saturating_sub(self.began) > patience {
+            return false;
+        }
+        let heights = self.heights.get_or_insert_with(|| {
+            // From left to right as they fly now, so that neighbours differ.
+            let expected = station.scenario.expected;
+            let states: Vec<_> = station
+                .crew()
+                .map(|index| station.state_now(index, now).unwrap_or(station.scenario.starts[index]))
+                .collect();
+            Gather::new(&states, expected, &[], &station.limits)
+        });
+        let is_there = planes.iter().all(|&index| {
+            let state = station.state_now(index, now);
+            state.is_none_or(|state| (state.altitude_m - heights.layer_m(index)).abs() < HEIGHT_M)
+        });
+        if is_there {
+            return false;
+        }
+        let heights = heights.clone();
+        fly.steer(station, Some(&|index| heights.layer_m(index)), now);
+        true
+    }
+
+    /// Orders a vehicle to its last mode; whether it is still to be waited for.
+    fn leave(&mut self, station: &mut Station, index: usize, now: Duration) -> bool {
+        let vehicle = &station.vehicles[index];
+        let Some(driver) = vehicle.driver().cloned() else { return false };
+        let at_end = station.settings.at_end;
+        // A pilot has it, or the operator keeps it out: it is not ours to command.
+        if vehicle.released.is_some() || !vehicle.armed {
+            return false;
+        }
+        if vehicle.on_ground() {
+            let disarm = command_long(vehicle.target, MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [0.0; 7]);
+            station.order(index, "end", disarm, now);
+            station.tell_once(index, "ended", Weight::Note, "is on the ground: disarmed", now);
+            return true;
+        }
+        let Some(mode) = driver.end_mode(at_end) else {
+            let text = format!("flies on in {}, as asked", vehicle.mode_name());
+            station.tell_once(index, "ended", Weight::Note, text, now);
+            return false;
+        };
+        if vehicle.custom_mode == mode {
+            let text = format!("is left in {}", vehicle.mode_name());
+            station.tell_once(index, "ended", Weight::Note, text, now);
+            return false;
+        }
+        station.order(index, "end", driver.set_mode(vehicle.target, mode), now);
+        true
+    }
+}

@@ -1,0 +1,170 @@
+//! What a flight came to: the same value that a simulated flight leaves, from telemetry alone.
+
+use super::told::Weight;
+use super::{Station, number};
+use crate::flight::{Flight, Row, Summary, Tick, Trajectory, vehicle_number};
+use crate::flying::{field, name_of, settings};
+use crate::judge::Verdict;
+use flight_model::{Setpoint, State};
+use serde_json::json;
+use std::time::Duration;
+
+/// The flight as it is to be written. `links` are the counters of the links.
+pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) -> Flight {
+    let now_s = wall.as_secs_f64();
+    let fly = match std::mem::replace(&mut station.phase, super::Phase::Over(None)) {
+        super::Phase::Over(fly) => fly,
+        _ => None,
+    };
+    let unseen = fly.as_ref().map(|fly| fly.judge.unseen_s().to_vec()).unwrap_or_default();
+    for (index, unseen_s) in unseen.iter().enumerate().filter(|(_, unseen_s)| **unseen_s > 3.0) {
+        let text = format!("was not seen for {unseen_s:.1} s of the flight");
+        station.told.once(now_s, Some(number(index)), "lost", Weight::Fault, text);
+    }
+    let verdict = fly.as_ref().map(|fly| fly.judge.verdict()).unwrap_or_default();
+    let grounds = fly.as_ref().map(|fly| fly.judge.grounds());
+    let completed = fly.as_ref().is_some_and(|fly| fly.completed);
+    let (mut solves, trajectory) = match fly {
+        Some(fly) => (fly.solves, fly.trajectory),
+        None => (Vec::new(), on_the_spot(&station)),
+    };
+    solves.sort_unstable();
+    let percentile_us = |share: f64| {
+        let rank = (share * solves.len() as f64).ceil() as usize;
+        solves.get(rank.saturating_sub(1)).map_or(f64::NAN, |solve| solve.as_secs_f64() * 1e6)
+    };
+    let duration_s = trajectory.ticks.last().map_or(0.0, |tick| tick.t_s);
+    let stop = station.stopped().cloned();
+    let interrupted = stop.as_ref().is_some_and(|stop| stop.wished) && !completed;
+    let failure = failure(&station, &verdict, completed, duration_s);
+    let collisions = verdict.obstacle_collisions + verdict.vehicle_collisions;
+    let dry = station.settings.dry_run;
+    let success = (completed || dry) && collisions == 0 && failure.is_none();
+    let scenario = &station.scenario;
+    let summary = Summary {
+        duration_s,
+        completed,
+        interrupted,
+        success,
+        failure,
+        obstacle_collisions: verdict.obstacle_collisions,
+        vehicle_collisions: verdict.vehicle_collisions,
+        separation_losses: verdict.separation_losses,
+        min_clearance_m: verdict.clearance.map(|least| least.value_m),
+        min_clearance_at_s: verdict.clearance.map(|least| least.at_s),
+        min_clearance_vehicle: verdict.clearance.map(|least| vehicle_number(least.whose)),
+        min_separation_m: verdict.separation.map(|least| least.value_m),
+        min_separation_at_s: verdict.separation.map(|least| least.at_s),
+        min_separation_vehicles: verdict.separation.map(|least| least.whose.map(vehicle_number)),
+        passed_last_obstacle: verdict.passed_last_obstacle,
+        speed_convergence_s: verdict.speed_convergence_s,
+        course_convergence_s: verdict.course_convergence_s,
+        altitude_settling_s: verdict.altitude_settling_s,
+        speed_variation_mps: verdict.smoothness.speed_variation_mps(),
+        course_variation_rad: verdict.smoothness.course_variation_rad(),
+        flock_radius_m: verdict.smoothness.radius_m(),
+        flock_radius_end_m: verdict.smoothness.radius_end_m(),
+        solve_us_p50: percentile_us(0.50),
+        solve_us_p99: percentile_us(0.99),
+        wall_s: now_s,
+        real_time_factor: if now_s > 0.0 { duration_s / now_s } else { 0.0 },
+        link: links,
+        station: json!({
+            "events": station.told.events(),
+            "vehicles": vehicles(&station, &unseen),
+            "at_end": station.settings.at_end,
+            "separation_rests_on": grounds.map(|grounds| grounds[0]),
+            "clearance_rests_on": grounds.map(|grounds| grounds[1]),
+            "origin": {
+                "latitude_deg": station.frame.origin().latitude_deg,
+                "longitude_deg": station.frame.origin().longitude_deg,
+                "altitude_amsl_m": station.frame.origin().altitude_amsl_m,
+            },
+        }),
+        ..planned(&station)
+    };
+    Flight { field: field(scenario), settings: settings(scenario), summary, trajectory }
+}
+
+/// What is known of a flight before it: the header of its journal.
+pub fn planned(station: &Station) -> Summary {
+    let scenario = &station.scenario;
+    Summary {
+        scenario: scenario.name.clone(),
+        seed: scenario.seed,
+        algorithm: scenario.optimizer.algorithm.key().to_owned(),
+        preset: name_of(&scenario.preset),
+        transport: "real-time".to_owned(),
+        vehicles: scenario.starts.len(),
+        obstacles: scenario.obstacles.len(),
+        control_period_s: scenario.control_period.as_secs_f64(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        ..Summary::default()
+    }
+}
+
+/// What went wrong first, in words.
+fn failure(station: &Station, verdict: &Verdict, completed: bool, duration_s: f64) -> Option<String> {
+    let event = station.told.first_fault().map(|event| match event.vehicle {
+        Some(vehicle) => format!("vehicle {vehicle} {}", event.text),
+        None => event.text.clone(),
+    });
+    let stopped = station.stopped().filter(|_| !completed).map(|stop| format!("{} at {duration_s:.1} s", stop.why));
+    let faults = station.told.events().iter().filter(|event| event.weight == Weight::Fault).count();
+    let failure = verdict.failure.clone().or(event).or(stopped);
+    match failure {
+        Some(failure) if faults > 1 => Some(format!("{failure} (and {} faults more)", faults - 1)),
+        other => other,
+    }
+}
+
+/// What is known of each vehicle at the end.
+fn vehicles(station: &Station, unseen: &[f64]) -> Vec<serde_json::Value> {
+    let describe = |index: usize| {
+        let vehicle = &station.vehicles[index];
+        let delay_s = vehicle.clock.delay_s();
+        json!({
+            "vehicle": number(index),
+            "system_id": vehicle.id(),
+            "autopilot": vehicle.driver().map(|driver| driver.kind().name()),
+            "version": vehicle.version.map(|version| version.to_string()),
+            "uid": vehicle.uid,
+            "mode": vehicle.mode_name(),
+            "armed": vehicle.armed,
+            "released": vehicle.released,
+            "unseen_s": unseen.get(index),
+            "delay_ms": delay_s.map(|delay_s| delay_s * 1e3),
+            "jitter_ms": vehicle.clock.jitter_s().map(|jitter_s| jitter_s * 1e3),
+            "clock_drift": vehicle.clock.drift(),
+            "airspeed_excess_mps": vehicle.airspeed_excess_mps,
+            "battery_percent": vehicle.battery_percent,
+            "frames": vehicle.frames[1],
+            "frames_lost": vehicle.frames[0],
+            "limits": vehicle.limits,
+        })
+    };
+    station.crew().map(describe).collect()
+}
+
+/// A flight that did not begin: one tick, with where the vehicles stand.
+fn on_the_spot(station: &Station) -> Trajectory {
+    let mut trajectory = Trajectory::new(station.scenario.starts.len());
+    let unknown = |value: f64| State {
+        x_m: value,
+        y_m: value,
+        altitude_m: value,
+        speed_mps: value,
+        course_rad: value,
+        climb_mps: value,
+    };
+    let none = Setpoint { speed_mps: f64::NAN, course_rad: f64::NAN, altitude_m: f64::NAN };
+    let rows = (0..trajectory.vehicles).map(|index| {
+        let vehicle = station.vehicles.get(index).filter(|vehicle| vehicle.slot == Some(index));
+        let state = vehicle.and_then(|vehicle| vehicle.track.last()).map(|sample| sample.state);
+        Row { state: state.unwrap_or(unknown(f64::NAN)), setpoint: none, alpha: [f64::NAN; 3] }
+    });
+    let rows: Vec<Row> = rows.collect();
+    let tick = Tick { t_s: 0.0, min_separation_m: f64::NAN, min_clearance_m: f64::NAN, solve_us: 0.0 };
+    trajectory.push(tick, rows);
+    trajectory
+}

@@ -1,0 +1,336 @@
+//! The station's shell: links, clocks, the terminal and the files around the sans-I/O core.
+
+use super::record::{self, Recording};
+use super::vehicle::Route;
+use super::{GROUND, Phase, Station, operator, outcome, table};
+use crate::flight::Flight;
+use crate::flying::Stop;
+use mavlink_bridge::link::{
+    Arrival, Connection, Framer, LinkEvent, Links, Peer, Rejected, Signing, SigningKey, signing_time,
+};
+use mavlink_bridge::{Counters, Encoder, SequenceTracker};
+use serde_json::json;
+use std::collections::HashMap;
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+use std::time::{Duration, Instant, SystemTime};
+use tokio::sync::mpsc;
+
+/// The core is looked after so often, on the wall clock.
+const POLL: Duration = Duration::from_millis(20);
+/// The table is drawn so often.
+const DRAW: Duration = Duration::from_millis(500);
+
+/// What surrounds the core.
+pub struct Surroundings {
+    /// The open links.
+    pub links: Links,
+    /// What they are, in the same order.
+    pub connections: Vec<Connection>,
+    /// Signs and verifies, where there is a key.
+    pub key: Option<SigningKey>,
+    /// Vehicle seconds for each second of the wall clock.
+    pub speed: f64,
+    /// Neither table nor events.
+    pub quiet: bool,
+}
+
+/// Flies to the end; everything is in the folder as it flies.
+///
+/// # Errors
+/// When the record cannot be begun.
+pub async fn run(mut station: Station, around: Surroundings, folder: &Path, mut stop: Stop) -> anyhow::Result<Flight> {
+    let recording = Recording::begin(folder)?;
+    let mut shell = Shell::new(around, recording);
+    shell.begin(&mut station);
+    let mut lines = operator_lines();
+    let mut next_poll = tokio::time::Instant::now();
+    let mut asked_to_stop = false;
+    while !station.is_over() {
+        tokio::select! {
+            biased;
+            event = shell.links.next() => match event {
+                Some(event) => shell.take(&mut station, event),
+                None => station.stop("all links have ended", false),
+            },
+            () = tokio::time::sleep_until(next_poll) => {}
+            Some(line) = lines.recv() => match line.parse::<operator::Verb>() {
+                Ok(verb) => station.operate(verb),
+                Err(error) => if !line.trim().is_empty() { eprintln!("columba: {error}") },
+            },
+            () = crate::flying::stopped(&mut stop), if !asked_to_stop => {
+                asked_to_stop = true;
+                station.stop("interrupted", true);
+            }
+        }
+        while let Some(event) = shell.links.try_next() {
+            shell.take(&mut station, event);
+        }
+        station.poll(shell.now(Instant::now()));
+        shell.give(&mut station);
+        next_poll = tokio::time::Instant::now() + POLL.div_f64(shell.speed.max(1.0));
+    }
+    Ok(shell.end(station))
+}
+
+struct Shell {
+    links: Links,
+    connections: Vec<Connection>,
+    signing: Vec<Option<Signing>>,
+    speed: f64,
+    quiet: bool,
+    recording: Recording,
+    started: Instant,
+    started_us: u64,
+    framers: HashMap<Route, Framer>,
+    encoders: HashMap<Route, Encoder>,
+    sequences: HashMap<Route, SequenceTracker>,
+    counters: Vec<Counters>,
+    events_told: usize,
+    drawn: usize,
+    draw_at: Instant,
+}
+
+impl Shell {
+    fn new(around: Surroundings, recording: Recording) -> Self {
+        let Surroundings { links, connections, key, speed, quiet } = around;
+        let now = unix();
+        let signing = (0..connections.len())
+            .map(|link| key.clone().map(|key| Signing::new(key, link as u8, signing_time(now))))
+            .collect();
+        Self {
+            counters: vec![Counters::default(); connections.len()],
+            links,
+            connections,
+            signing,
+            speed,
+            quiet,
+            recording,
+            started: Instant::now(),
+            started_us: now.as_micros() as u64,
+            framers: HashMap::new(),
+            encoders: HashMap::new(),
+            sequences: HashMap::new(),
+            events_told: 0,
+            drawn: 0,
+            draw_at: Instant::now(),
+        }
+    }
+
+    fn begin(&mut self, station: &mut Station) {
+        let summary = outcome::planned(station);
+        let field = crate::flying::field(&station.scenario);
+        let settings = crate::flying::settings(&station.scenario);
+        self.recording.line(record::header_line(&summary, &field, &settings));
+        let open: Vec<String> = self
+            .connections
+            .iter()
+            .zip(&self.signing)
+            .filter(|(connection, signing)| signing.is_none() && !connection.is_loopback())
+            .map(|(connection, _)| connection.to_string())
+            .collect();
+        if !open.is_empty() {
+            let text = format!(
+                "commands go unsigned beyond this machine, by {}: whoever hears them can send the like (--signing-key FILE)",
+                open.join(", ")
+            );
+            station.told.tell(0.0, None, super::told::Weight::Warning, text);
+        }
+    }
+
+    /// Station time of an instant.
+    fn now(&self, at: Instant) -> Duration {
+        at.saturating_duration_since(self.started).mul_f64(self.speed)
+    }
+
+    fn unix_us(&self, at: Instant) -> u64 {
+        self.started_us + at.saturating_duration_since(self.started).as_micros() as u64
+    }
+
+    fn take(&mut self, station: &mut Station, event: LinkEvent) {
+        let name = |link: usize| self.connections.get(link).map(ToString::to_string).unwrap_or_default();
+        let now_s = self.now(Instant::now()).as_secs_f64();
+        match event {
+            LinkEvent::Arrival(arrival) => self.arrive(station, &arrival),
+            LinkEvent::Up(link) => tracing::debug!(link = name(link), "up"),
+            LinkEvent::Down(link, reason) => {
+                let text = format!("{} is down: {reason}; it is tried again", name(link));
+                station.told.once(now_s, None, &text.clone(), super::told::Weight::Warning, text);
+            }
+            LinkEvent::Gone(link, peer) => {
+                self.framers.remove(&Route { link, peer });
+            }
+        }
+    }
+
+    fn arrive(&mut self, station: &mut Station, arrival: &Arrival) {
+        let route = Route { link: arrival.link, peer: arrival.peer };
+        let (now, at_us) = (self.now(arrival.at), self.unix_us(arrival.at));
+        let signed_at = signing_time(unix());
+        let framer = self.framers.entry(route).or_default();
+        let sequence = self.sequences.entry(route).or_default();
+        let signing = self.signing.get_mut(arrival.link).and_then(Option::as_mut);
+        let (Some(counters), recording) = (self.counters.get_mut(arrival.link), &self.recording) else { return };
+        let mut signing = signing;
+        let mut lost = Counters::default();
+        let take = |found: mavlink_bridge::link::Found<'_>| {
+            let frame = found.frame();
+            if let Some(signing) = signing.as_deref_mut()
+                && signing.verify(&frame, signed_at).is_err()
+            {
+                return;
+            }
+            recording.frame(at_us, frame.bytes);
+            let before = lost.lost;
+            sequence.observe(&frame, &mut lost);
+            station.count(frame.header.system_id, lost.lost - before);
+            if matches!(found, mavlink_bridge::link::Found::Verified(_)) {
+                station.hear(&frame, route, now);
+            }
+        };
+        if arrival.is_stream {
+            framer.push(&arrival.bytes, counters, take);
+        } else {
+            framer.push_datagram(&arrival.bytes, counters, take);
+        }
+        *counters += lost;
+    }
+
+    /// Sends, writes and shows what the core has.
+    fn give(&mut self, station: &mut Station) {
+        let now = Instant::now();
+        let at_us = self.unix_us(now);
+        for outgoing in station.take_outgoing() {
+            let encoder = self.encoders.entry(outgoing.route).or_insert_with(|| Encoder::new(GROUND.0, GROUND.1));
+            let (link, peer) = (outgoing.route.link, outgoing.route.peer);
+            let mut datagram = Vec::new();
+            for message in &outgoing.messages {
+                let mut frame = Vec::new();
+                encoder.encode(message, &mut frame);
+                if let Some(signing) = self.signing.get_mut(link).and_then(Option::as_mut) {
+                    let mut signed = Vec::new();
+                    signing.sign(&frame, signing_time(unix()), &mut signed);
+                    frame = signed;
+                }
+                self.recording.frame(at_us, &frame);
+                datagram.extend_from_slice(&frame);
+            }
+            if let Some(counters) = self.counters.get_mut(link) {
+                counters.datagrams_sent += 1;
+                counters.bytes_sent += datagram.len() as u64;
+            }
+            self.links.send(link, peer, datagram);
+        }
+        if let Some(trouble) = self.recording.take_trouble() {
+            let now_s = self.now(now).as_secs_f64();
+            station.told.tell(now_s, None, super::told::Weight::Fault, trouble);
+        }
+        for line in station.journal.drain(..) {
+            self.recording.line(line);
+        }
+        let events = station.told.events();
+        if self.events_told < events.len() && !self.quiet {
+            self.erase();
+            for event in &events[self.events_told..] {
+                eprintln!("{event}");
+            }
+        }
+        for event in &events[self.events_told..] {
+            self.recording.line(record::event_line(event));
+        }
+        self.events_told = events.len();
+        if !self.quiet && std::io::stderr().is_terminal() && now >= self.draw_at {
+            self.draw_at = now + DRAW;
+            self.erase();
+            let recent_m = match station.phase() {
+                Phase::Fly(fly) => fly.recent_m(),
+                _ => [f64::INFINITY; 2],
+            };
+            let lines = table::lines(station, recent_m, self.now(now));
+            self.drawn = lines.len();
+            lines.iter().for_each(|line| eprintln!("{line}"));
+        }
+    }
+
+    /// Takes the table off the terminal.
+    fn erase(&mut self) {
+        if self.drawn > 0 {
+            let _ = write!(std::io::stderr(), "\x1b[{}A\x1b[J", self.drawn);
+            self.drawn = 0;
+        }
+    }
+
+    fn end(mut self, mut station: Station) -> Flight {
+        self.give(&mut station);
+        self.erase();
+        let wall = self.started.elapsed();
+        let total: Counters = self.counters.iter().copied().sum();
+        let mut links = serde_json::to_value(total).unwrap_or_default();
+        let each: Vec<serde_json::Value> = self
+            .connections
+            .iter()
+            .enumerate()
+            .map(|(link, connection)| {
+                let rejected = self.signing.get(link).and_then(Option::as_ref).map(Signing::rejected);
+                json!({
+                    "link": connection.to_string(),
+                    "counters": self.counters.get(link),
+                    "overflows": self.links.overflows(link),
+                    "signed": rejected.is_some(),
+                    "rejected": rejected,
+                })
+            })
+            .collect();
+        let rejected =
+            self.signing.iter().flatten().map(Signing::rejected).fold(Rejected::default(), |all, one| Rejected {
+                unsigned: all.unsigned + one.unsigned,
+                forged: all.forged + one.forged,
+                replayed: all.replayed + one.replayed,
+            });
+        if let Some(object) = links.as_object_mut() {
+            object.insert("links".to_owned(), json!(each));
+            object.insert("rejected".to_owned(), json!(rejected));
+        }
+        let flight = outcome::flight(station, wall, links);
+        self.recording.line(record::end_line());
+        self.recording.end();
+        flight
+    }
+}
+
+fn unix() -> Duration {
+    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default()
+}
+
+/// What the operator types, line by line. Nothing where the program is in the background of a terminal: to read there would stop it.
+fn operator_lines() -> mpsc::UnboundedReceiver<String> {
+    let (tell, lines) = mpsc::unbounded_channel();
+    if !std::io::stdin().is_terminal() || is_in_foreground() {
+        let reader = std::thread::Builder::new().name("operator".to_owned());
+        // It ends with the program, or with its input.
+        let _ = reader.spawn(move || {
+            for line in std::io::stdin().lines().map_while(Result::ok) {
+                if tell.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+    }
+    lines
+}
+
+/// Whether the terminal listens to this program (`/proc/self/stat`, fields 5 and 8); where that cannot be known, yes.
+fn is_in_foreground() -> bool {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+    match (fields.get(2), fields.get(5)) {
+        (Some(group), Some(foreground)) => group == foreground,
+        _ => true,
+    }
+}
+
+/// Whom a link speaks to before anybody was heard.
+pub fn calls(link: usize, connection: &Connection) -> Option<Route> {
+    let is_single = matches!(connection, Connection::UdpOut(_) | Connection::TcpOut(_) | Connection::Serial { .. });
+    is_single.then_some(Route { link, peer: Peer::Only })
+}

@@ -1,0 +1,61 @@
+//! What a PX4 does with its modes by itself (`Commander.cpp`): Hold after a take-off, another mode after a landing,
+//! disarming where it is armed and does not fly.
+
+use super::Autopilot;
+use super::habits::ends_a_flight;
+use super::timer::Timer;
+use crate::error::Severity;
+use crate::mode::Mode;
+use crate::parameters::table::Parameter;
+
+impl Autopilot {
+    /// It is armed: on the ground it is given some time to take off.
+    pub(crate) fn begin_idle_timer(&mut self) {
+        let timers = &mut self.session.timers;
+        if self.flight.is_on_ground() {
+            timers.set(Timer::ArmedIdle, self.time)
+        } else {
+            timers.clear(Timer::ArmedIdle)
+        }
+    }
+
+    /// Whether it is armed. Disarmed, it leaves the modes that it cannot be armed in, and take-off.
+    pub(super) fn follow_arming(&mut self) -> bool {
+        let is_armed = self.flight.is_armed();
+        let was_armed = self.session.habits.was_armed(is_armed);
+        if is_armed {
+            return true;
+        }
+        self.session.timers.clear(Timer::ArmedIdle);
+        if was_armed {
+            self.session.failsafes.streams.set_lost(None);
+            if ends_a_flight(self.mode()) || self.mode() == Mode::Takeoff {
+                self.set_mode(self.session.habits.mode_to_restore());
+            }
+        }
+        false
+    }
+
+    /// Take-off is over when it circles at its altitude.
+    pub(super) fn hold_after_take_off(&mut self) {
+        if self.mode() == Mode::Takeoff && self.flight.is_flying() && !self.flight.is_taking_off() {
+            let altitude_m = self.flight.state().altitude_m + self.flight.altitude_error_m();
+            self.set_mode(Mode::Loiter);
+            self.flight.set_altitude(altitude_m, f64::INFINITY);
+        }
+    }
+
+    /// COM_DISARM_PRFLT after it was armed it has not yet flown; below 0: never.
+    pub(super) fn disarm_idle(&mut self) {
+        if self.flight.is_flying() {
+            self.session.timers.clear(Timer::ArmedIdle);
+        }
+        let delay_s = self.parameters.get(Parameter::PreflightDisarmDelay);
+        let since = self.session.timers.since(Timer::ArmedIdle, self.time).filter(|_| delay_s >= 0.0);
+        let is_idle = self.flight.state().speed_mps == 0.0;
+        if is_idle && since.is_some_and(|since| since.as_secs_f32() >= delay_s) {
+            self.disarm();
+            self.say(Severity::Critical, "Disarmed by auto preflight disarming");
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! What is held and steered for: speed, altitude, and a course, a circle or a place.
+
+use super::circle::Circle;
+use super::ground::Contact;
+use super::guidance::{Aim, Direction, RallyPlace};
+use super::ramp::Ramp;
+use super::{Flight, Stage};
+use flight_model::{Autopilot, Dynamics, State};
+use nalgebra::Vector2;
+
+impl Flight {
+    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
+    pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
+        let value = if acceleration_mps2.is_finite() { self.airspeed_when_released_mps() } else { speed_mps };
+        self.speed_is_over_ground = false;
+        self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
+    }
+
+    /// From now on its airspeed rises where its speed over ground, m/s, would be lower.
+    pub fn set_least_ground_speed(&mut self, speed_mps: f64) {
+        self.least_ground_speed_mps = speed_mps;
+    }
+
+    /// Glides with its engine idle, until another mode is set.
+    pub fn glide(&mut self) {
+        self.glides = true;
+    }
+
+    /// Speed over ground, m/s, by the airspeed that gives it, within the limits.
+    pub fn set_ground_speed(&mut self, speed_mps: f64) {
+        self.set_speed(speed_mps, f64::INFINITY);
+        self.speed_is_over_ground = true;
+    }
+
+    /// Altitude setpoint, m above the origin, reached at no more than a rate in m/s (infinite: at once).
+    pub fn set_altitude(&mut self, altitude_m: f64, rate_mps: f64) {
+        self.altitude_is_slewed = false;
+        let value = if rate_mps.is_finite() { self.state.altitude_m } else { altitude_m };
+        self.altitude = Ramp { value, target: altitude_m, per_step: rate_mps * self.autopilot.step_s() };
+    }
+
+    /// Altitude setpoint of a guided command, as [`set_altitude`](Self::set_altitude); known as such until the next
+    /// one.
+    pub fn slew_altitude(&mut self, altitude_m: f64, rate_mps: f64) {
+        self.set_altitude(altitude_m, rate_mps);
+        self.altitude_is_slewed = true;
+    }
+
+    pub fn is_altitude_slewed(&self) -> bool {
+        self.altitude_is_slewed
+    }
+
+    /// Climbs at a rate, m/s, until it is told otherwise. Asked for again it changes nothing.
+    pub fn climb_at(&mut self, rate_mps: f64) {
+        // Further than it will ever climb or sink.
+        const FAR_M: f64 = 1e6;
+        self.altitude = Ramp {
+            value: self.altitude_to_climb_at(rate_mps),
+            target: if rate_mps == 0.0 { self.state.altitude_m } else { FAR_M.copysign(rate_mps) },
+            per_step: rate_mps.abs() * self.autopilot.step_s(),
+        };
+    }
+
+    /// Course setpoint, rad, turned to with no more than a lateral acceleration in m/s2 (or the vehicle's own limit).
+    pub fn set_course(&mut self, course_rad: f64, lateral_acceleration_mps2: f64) {
+        self.stage = Stage::Normal;
+        self.direction = Direction::Course(course_rad);
+        self.limit_lateral_acceleration(lateral_acceleration_mps2);
+    }
+
+    /// Heading, rad, turned to with no more than a lateral acceleration in m/s2; the wind carries the course away.
+    pub fn set_heading(&mut self, heading_rad: f64, lateral_acceleration_mps2: f64) {
+        self.set_course(heading_rad, lateral_acceleration_mps2);
+        self.direction = Direction::Heading(heading_rad);
+    }
+
+    /// Straight on.
+    pub fn hold_course(&mut self) {
+        self.set_course(self.when_released().course_rad, f64::INFINITY);
+    }
+
+    /// Flies to a place, (north, east) in m, and over it.
+    pub fn fly_to(&mut self, place: Vector2<f64>) {
+        self.fly_toward(None, place);
+    }
+
+    /// The same along the line from one place to the other.
+    pub fn fly_leg(&mut self, from: Vector2<f64>, to: Vector2<f64>) {
+        self.fly_toward(Some(from), to);
+    }
+
+    fn fly_toward(&mut self, from: Option<Vector2<f64>>, at: Vector2<f64>) {
+        self.stage = Stage::Normal;
+        self.limit_lateral_acceleration(f64::INFINITY);
+        self.direction = Direction::Place { at, from, flies_away: false };
+    }
+
+    /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.
+    pub fn circle_at(&mut self, centre: Vector2<f64>, radius_m: f64) -> f64 {
+        self.circle(centre, radius_m);
+        match self.direction {
+            Direction::Circle(circle) => circle.radius_m(),
+            _ => radius_m,
+        }
+    }
+
+    /// In GUIDED, circles another place than where it was entered.
+    pub fn reposition(&mut self, place: Vector2<f64>, radius_m: f64) {
+        self.guided_point = place;
+        self.circle(place, radius_m);
+    }
+
+    /// Gives up the course setpoint and circles where GUIDED was entered.
+    pub fn release_course(&mut self) {
+        self.circle(self.guided_point, self.tuning.loiter_radius_m);
+    }
+
+    /// Where RTL will go when it is entered; none: home.
+    pub fn set_rally(&mut self, rally: Option<RallyPlace>) {
+        self.rally = rally;
+    }
+
+    /// Climbs straight on to an altitude, m above the origin, from the ground or in the air.
+    pub fn take_off(&mut self, altitude_m: f64) {
+        self.hold_course();
+        self.set_altitude(altitude_m, f64::INFINITY);
+        self.stage = Stage::Takeoff;
+    }
+
+    /// What it steers for.
+    pub fn aim(&self) -> Aim {
+        let (place, course_rad) = self.direction.aim(&self.estimate());
+        Aim { place, course_rad, altitude_m: self.altitude.value, airspeed_mps: self.speed.value }
+    }
+
+    pub(super) fn circle(&mut self, centre: Vector2<f64>, radius_m: f64) {
+        self.stage = Stage::Normal;
+        self.limit_lateral_acceleration(f64::INFINITY);
+        self.direction = Direction::Circle(Circle::new(centre, radius_m, &self.limited, self.autopilot.step_s()));
+    }
+
+    /// The altitude setpoint that makes the altitude loop climb at a rate, m/s: it lags by its time constants behind a
+    /// setpoint that moves.
+    pub(super) fn altitude_to_climb_at(&self, climb_mps: f64) -> f64 {
+        let tau = self.dynamics.time_constants;
+        self.state.altitude_m + climb_mps * (tau.altitude_a_s + tau.altitude_b_s)
+    }
+
+    /// What it flies now, or will fly when it is released from the rail or has left the ground.
+    pub(super) fn when_released(&self) -> State {
+        match self.contact {
+            Contact::Rail => self.start,
+            Contact::Ground => State { speed_mps: self.start.speed_mps, ..self.state },
+            Contact::Air => self.state,
+        }
+    }
+
+    pub(super) fn airspeed_when_released_mps(&self) -> f64 {
+        if self.contact == Contact::Air { self.airspeed_mps() } else { self.start.speed_mps }
+    }
+
+    pub(super) fn limit_lateral_acceleration(&mut self, limit_mps2: f64) {
+        self.lateral_limit_mps2 = limit_mps2;
+        self.limited = self.limited_dynamics();
+        self.autopilot = Autopilot::new(&self.limited, self.autopilot.step_s());
+    }
+
+    /// The flight model with the least of the lateral limits.
+    fn limited_dynamics(&self) -> Dynamics {
+        let mut dynamics = self.dynamics;
+        let overload = (self.lateral_limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
+        dynamics.limits.lateral_overload_max = overload.min(dynamics.limits.lateral_overload_max);
+        dynamics
+    }
+}

@@ -1,0 +1,42 @@
+//! What a PX4 remembers for what it does with its modes by itself.
+
+use crate::mode::Mode;
+
+/// What it remembers for that.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Habits {
+    was_armed: bool,
+    /// The altitude of a take-off that it was told of before it was armed, m above the origin.
+    takeoff_altitude_m: Option<f64>,
+    /// The mode that it is in again when a landing has disarmed it: the last one that can be armed in.
+    mode_to_restore: Option<Mode>,
+}
+
+impl Habits {
+    /// Whether it was armed when this was last asked.
+    pub fn was_armed(&mut self, is_armed: bool) -> bool {
+        std::mem::replace(&mut self.was_armed, is_armed)
+    }
+
+    /// The mode that it is in again when a landing has disarmed it.
+    pub fn mode_to_restore(&self) -> Mode {
+        self.mode_to_restore.unwrap_or(Mode::Loiter)
+    }
+
+    pub fn take_takeoff_altitude_m(&mut self) -> Option<f64> {
+        self.takeoff_altitude_m.take()
+    }
+
+    pub fn set_takeoff_altitude_m(&mut self, altitude_m: Option<f64>) {
+        self.takeoff_altitude_m = altitude_m;
+    }
+
+    pub fn restore_later(&mut self, mode: Mode) {
+        self.mode_to_restore = Some(mode);
+    }
+}
+
+/// The modes in which it is not armed.
+pub(crate) fn ends_a_flight(mode: Mode) -> bool {
+    matches!(mode, Mode::Rtl | Mode::Land)
+}

@@ -1,0 +1,132 @@
+//! How far AUTO has come.
+
+use super::Mission;
+use super::legs::Leg;
+use nalgebra::Vector2;
+
+/// How far AUTO has come.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Progress {
+    /// The item that is flown, or will be when AUTO is set.
+    current: u16,
+    /// Whether it has been flown, or somebody has chosen it.
+    has_begun: bool,
+    is_complete: bool,
+    /// Whether RTL has looked for a landing sequence.
+    has_looked_for_landing: bool,
+    /// Times that each jump was made.
+    jumps: Vec<(u16, u32)>,
+    /// The place of the item before the current one, (north, east) in m: the leg begins there.
+    from: Option<Vector2<f64>>,
+    pub(super) leg: Leg,
+}
+
+impl Progress {
+    /// The first item of a mission comes next.
+    pub fn at_beginning(mission: &Mission) -> Self {
+        Self { current: mission.len().min(mission.first()), ..Self::default() }
+    }
+
+    /// An item of a mission that somebody has chosen comes next. Jumps that have been made count still, unless they
+    /// are reset.
+    pub fn choose(&mut self, seq: u16, mission: &Mission, resets_jumps: bool) {
+        let jumps = if resets_jumps { Vec::new() } else { std::mem::take(&mut self.jumps) };
+        *self = Self { current: seq.max(mission.first()), has_begun: true, jumps, ..Self::default() };
+    }
+
+    /// How often a jump has been made.
+    pub(super) fn jumps_made(&self, seq: u16) -> u32 {
+        self.jumps.iter().find(|(jump, _)| *jump == seq).map_or(0, |(_, made)| *made)
+    }
+
+    pub fn current(&self) -> u16 {
+        self.current
+    }
+
+    pub fn has_begun(&self) -> bool {
+        self.has_begun
+    }
+
+    pub fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
+    /// The current item as it is told: none, 0, before anything has begun.
+    pub fn told(&self) -> u16 {
+        if self.has_begun { self.current } else { 0 }
+    }
+
+    /// AUTO has been set: it goes on with the current item, from its beginning.
+    pub fn begin(&mut self, mission: &Mission) {
+        if self.is_complete || self.current < mission.first() {
+            *self = Self::at_beginning(mission);
+        }
+        self.leg = Leg::Begin;
+        self.from = None;
+    }
+
+    /// The mission is another one (`whole`), or a changed one, with which AUTO goes on where it is. So it does with
+    /// another that takes the place of one under way, where the autopilot `resumes`.
+    pub fn mission_changed(&mut self, mission: &Mission, whole: bool, resumes: bool) {
+        let is_under_way = self.has_begun && !self.is_complete;
+        let goes_on = resumes && is_under_way && mission.get(self.current).is_some();
+        if whole && !goes_on {
+            *self = Self::at_beginning(mission);
+        }
+        self.leg = Leg::Begin;
+    }
+
+    /// Begins with the current item.
+    pub(super) fn begin_item(&mut self) -> u16 {
+        self.has_begun = true;
+        self.current
+    }
+
+    pub(super) fn complete(&mut self) {
+        self.is_complete = true;
+    }
+
+    /// Sets whether the mission is over when an item ends that comes back for ever.
+    pub(super) fn set_complete(&mut self, is_complete: bool) {
+        self.is_complete = is_complete;
+    }
+
+    pub(super) fn go_to(&mut self, seq: u16) {
+        self.current = seq;
+        self.leg = Leg::Begin;
+    }
+
+    /// From an item to another, so many times; a negative number is for ever.
+    pub(super) fn jump(&mut self, from: u16, to: u16, times: f64) {
+        let index = self.jumps.iter().position(|(jump, _)| *jump == from).unwrap_or_else(|| {
+            self.jumps.push((from, 0));
+            self.jumps.len() - 1
+        });
+        let made = &mut self.jumps[index].1;
+        let again = times < 0.0 || f64::from(*made) < times;
+        *made += u32::from(again);
+        self.go_to(if again { to } else { from + 1 });
+    }
+
+    /// Where the leg to the current item begins, (north, east) in m.
+    pub(super) fn from(&self) -> Option<Vector2<f64>> {
+        self.from
+    }
+
+    pub(super) fn set_from(&mut self, from: Option<Vector2<f64>>) {
+        self.from = from;
+    }
+
+    /// RTL begins: it looks for a landing sequence once.
+    pub fn look_for_landing_again(&mut self) {
+        self.has_looked_for_landing = false;
+    }
+
+    pub(super) fn has_looked_for_landing(&self) -> bool {
+        self.has_looked_for_landing
+    }
+
+    pub(super) fn found_no_landing(&mut self) {
+        self.has_looked_for_landing = true;
+    }
+}

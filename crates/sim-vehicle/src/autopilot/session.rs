@@ -1,0 +1,26 @@
+//! All that a reboot forgets.
+
+use super::calibration::Calibration;
+use super::failsafe::Failsafes;
+use super::fence::monitor::FenceMonitor;
+use super::habits::Habits;
+use super::manual_control::Channels;
+use super::mission::progress::Progress;
+use super::timer::Timers;
+
+/// What has happened since the vehicle was switched on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Session {
+    pub timers: Timers,
+    pub failsafes: Failsafes,
+    pub fence: FenceMonitor,
+    pub progress: Progress,
+    pub channels: Channels,
+    pub habits: Habits,
+    /// What is being calibrated.
+    pub calibration: Option<Calibration>,
+    /// What stood against arming when that was last looked at.
+    pub arming_reason: Option<String>,
+    /// Whether somebody has set home: then arming leaves it.
+    pub home_is_set: bool,
+}

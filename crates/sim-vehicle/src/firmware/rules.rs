@@ -1,0 +1,133 @@
+//! What differs between autopilots, by name: one const each. What is not here is the same for all of them, and
+//! ArduPlane's.
+
+use crate::mode::Mode;
+use crate::parameters::table::Parameter;
+use crate::telemetry::rates::TelemetryRates;
+use crate::telemetry::streams::Stream;
+use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag, MavParamType};
+
+/// Where the default rate of a stream stands.
+pub(crate) type RateOf = fn(&mut TelemetryRates) -> &mut f64;
+
+/// Which answers to commands an autopilot has where ArduPlane's are others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CommandSet {
+    ArduPlane,
+    Px4,
+    Generic,
+}
+
+/// What an autopilot makes of position targets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TargetSet {
+    /// Velocities in the local frame in GUIDED, and of all else the altitude.
+    ArduPlane,
+    /// A stream of complete targets in Offboard.
+    Px4,
+    /// Whatever can be flown, in GUIDED.
+    Generic,
+}
+
+/// The named differences of one autopilot.
+#[derive(Debug)]
+pub(crate) struct Rules {
+    // Who it is.
+    /// Its name in scenarios and on the command line.
+    pub name: &'static str,
+    /// Its name as it tells it itself.
+    pub product: &'static str,
+    pub autopilot: MavAutopilot,
+    /// The version whose names and answers the vehicle has.
+    pub version: [u8; 3],
+
+    // Modes.
+    /// The number in HEARTBEAT.custom_mode.
+    pub custom_mode: fn(Mode) -> u32,
+    /// Whether that number has a main and a sub mode in its upper bytes, which SET_MODE gives in one.
+    pub custom_mode_has_sub_mode: bool,
+    pub mode_name: fn(Mode) -> &'static str,
+    /// The flags of HEARTBEAT.
+    pub base_mode: fn(Mode, bool) -> MavModeFlag,
+    /// The modes that a client can set.
+    pub modes: &'static [Mode],
+    /// Whether MAVLink's standard modes are known beside its own.
+    pub has_standard_modes: bool,
+    /// The mode that it starts in where an ArduPlane starts in another; the flag tells whether it is in lockstep.
+    pub first_mode: fn(Mode, bool) -> Mode,
+    pub mode_after_mission: Mode,
+    /// Whether a new mode is told before the next heartbeat.
+    pub tells_mode_at_once: bool,
+    /// Whether AUTO without a mission returns; otherwise it is refused.
+    pub returns_without_mission: bool,
+
+    // Commands and setpoints.
+    pub commands: CommandSet,
+    pub targets: TargetSet,
+    /// Whether SET_MODE is acknowledged as if it were DO_SET_MODE.
+    pub acknowledges_set_mode: bool,
+    /// Whether SET_GPS_GLOBAL_ORIGIN is answered with the origin, which stays.
+    pub tells_origin: bool,
+    /// Whether attitude targets count for the offboard stream.
+    pub hears_attitude_targets: bool,
+    /// Whether a rate of a message that there is not is FAILED; otherwise it is DENIED.
+    pub unknown_interval_fails: bool,
+    /// Whether DO_SET_HOME is above sea level whatever the frame.
+    pub home_is_above_sea: bool,
+    /// Whether ArduPilot's own commands are known: DO_SEND_BANNER, BATTERY_RESET.
+    pub has_ardupilot_commands: bool,
+
+    // Arming and flying.
+    pub fence_forbids_arming: bool,
+    /// What a value of FENCE_ACTION brings about; none: words alone.
+    pub fence_action: fn(u8) -> Option<Mode>,
+    /// Whether it says unasked what stands against arming.
+    pub tells_arming_reason: bool,
+    /// Whether any ground station moves the sticks and is listened for; otherwise the one of MAV_GCS_SYSID.
+    pub any_ground_station: bool,
+    /// Whether setpoints in Offboard, sticks and the ground station are watched as a PX4 does, TAKEOFF ends in Hold,
+    /// and it disarms idle.
+    pub watches_streams: bool,
+
+    // Missions.
+    /// Whether plans are judged and flown as a PX4 does it: the parts of a fence each for itself, a mission that it takes
+    /// and does not fly, the ends of loiters.
+    pub judges_plans_as_px4: bool,
+    /// The index of the first item that is flown: ArduPlane's item 0 is home.
+    pub first_mission_item: u16,
+    /// Whether a mission that takes the place of one under way goes on at the same item.
+    pub resumes_after_upload: bool,
+    /// Whether it takes off by itself where a mission has no take-off.
+    pub takes_off_before_mission: bool,
+    /// Whether RETURN_TO_LAUNCH stays the current item, which returns again.
+    pub return_item_stays_current: bool,
+    /// Whether a param of an item that is no number is one left out.
+    pub nan_params_are_left_out: bool,
+    /// Whether a mission can be cleared while it is flown.
+    pub clears_flown_mission: bool,
+    /// Whether who uploads can break that off by an acknowledgement.
+    pub upload_can_be_broken_off: bool,
+    /// Whether items are asked for by the older message, and not by it only of those that use it.
+    pub asks_by_old_message: bool,
+    /// Whether a mission that is not flown is told as paused.
+    pub tells_paused_mission: bool,
+    /// MISSION_CURRENT.mission_mode while no mission is flown.
+    pub mission_mode_suspended: u8,
+
+    // Parameters and telemetry.
+    pub has_parameter: fn(Parameter) -> bool,
+    /// What it calls a parameter, and of which type it has it.
+    pub parameter: fn(Parameter) -> (&'static str, MavParamType),
+    /// What is otherwise before anybody sets it.
+    pub initial_parameters: &'static [(Parameter, f32)],
+    /// Whether whole numbers stand on the wire by their bytes, and a type is looked at.
+    pub bytewise_parameters: bool,
+    /// Whether whole numbers are told as floats; they are whole all the same.
+    pub tells_whole_numbers_as_floats: bool,
+    /// Whether names of parameters are told apart by their case.
+    pub parameter_names_have_case: bool,
+    /// Whether it has PX4's checksum of all parameters.
+    pub has_parameter_hash: bool,
+    /// Streams that come unasked beyond those of all.
+    pub more_streams: &'static [(Stream, RateOf)],
+}
