@@ -166,7 +166,6 @@ def test_the_script_steers_a_vehicle(start_vehicles, tmp_path):
 
 
 def test_vehicles_of_every_kind_start(shell):
-    (shell.folder / "places.txt").write_text("1=39.98,116.34,50,0\n2=39.98,116.35,50,90\n")
     for line in commands(block(section(README, "### Vehicles for a controller of your own"), "sh")):
         shell.check(line)
 

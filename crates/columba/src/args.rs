@@ -2,6 +2,7 @@
 
 use crate::compare::Seeds;
 use crate::config::{Layer, flags};
+use crate::help;
 use crate::station::frames::Origin;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -14,15 +15,15 @@ use std::path::PathBuf;
 
 /// Flies a flock of UAVs over MAVLink: simulated vehicles, a ground controller that runs MSLPIO, and reports.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, after_help = EXIT_STATUS)]
+#[command(version, propagate_version = true, after_help = help::PROGRAM)]
 pub struct Cli {
-    /// What to do.
+    /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
-    /// No progress and no closing words, only what went wrong.
+    /// Print errors only: no progress, no results.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Threads that solve, 1 to 1024; by default as many as the machine has. What comes out is the same with any number.
+    /// Number of threads that solve, 1 to 1024; default: one for each processor. The results are the same with any number.
     #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<u16>,
     /// What the command line lays over the scenario file, the lowest layer first: see [`flags`].
@@ -48,118 +49,48 @@ impl Cli {
     }
 }
 
-const EXIT_STATUS: &str = "\
-Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.
-RUST_LOG=debug prints what the links do.";
-
-const RUN_EXAMPLES: &str = "\
-Examples:
-  columba run                              the paper's flight, in lockstep over UDP; the report is in runs/paper/
-  columba run --speed 1                    the same in real time: vehicles on UDP 14600 and up
-  columba run field.toml --seed 7 -o out   your own field
-  columba run --transport memory           without sockets, and so faster: the same flight
-  columba run --loss 0.2                   over a bad link: it takes longer, and is the same flight
-
-Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";
-
-const VEHICLES_EXAMPLES: &str = "\
-Examples:
-  columba vehicles                         the paper's five, from UDP 14600 up, telemetry to 14550
-  columba vehicles --count 20              twenty in a grid
-  columba vehicles --vehicle-port 0 --json any free ports, and the table of them for a script
-  columba vehicles --count 200 --per-port 200
-                                           two hundred behind one port, told apart by their system ids
-  columba vehicles --swarm swarminit.txt   starts as ArduPilot's sim_vehicle.py --swarm reads them
-  columba vehicles --param WP_LOITER_RAD=80 --param FS_GCS_ENABL=1
-  columba vehicles --defaults plane.parm   with the parameters of a real autopilot, as it or a ground station saved them
-
-A vehicle answers whoever speaks to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends it.";
-
-const FLY_EXAMPLES: &str = "\
-Examples:
-  columba vehicles & columba fly           in real time; the vehicles' telemetry comes to UDP 14550
-  columba vehicles --lockstep & columba fly --lockstep
-                                           in simulated time, as fast as it goes
-  columba fly field.toml --link udpin:127.0.0.1:14550
-                                           real autopilots, from the ground to the ground; docs/real-autopilots.md
-  columba fly field.toml --link tcp:127.0.0.1:5760 --link tcp:127.0.0.1:5770 --dry-run
-                                           who is there, and what is missing; nobody is commanded
-
-On the terminal, while it flies: pause, resume, abort, drop N, take N, status. Ctrl-C ends it as --at-end says.
-
-Exit status: 0 flown without collision, 1 the flight failed (what and when is printed), 2 the arguments or a file are wrong.";
-
-const COMPARE_EXAMPLES: &str = "\
-Examples:
-  columba compare                          MSLPIO, MPIO and NSGA-II over 100 flights each; compare/paper/report.html
-  columba compare --seeds 101..1000 --optimizers mslpio,mpio,nsga2,slpio
-  columba compare config/paper.toml mine.toml --set look_ahead.horizon_s=1.5
-  columba compare --contenders settings.toml --seeds 20 --out short
-
-A file of contenders has a table [[contender]] for each, with a name and any tables of a scenario file, which are laid over
-the scenario:
-  [[contender]]
-  name = \"shorter look-ahead\"
-  look_ahead.horizon_s = 1.5
-  optimizer.algorithm = \"nsga2\"
-
-The folder holds every flight as soon as it is flown: the same command, started again, goes on where it was interrupted.
-docs/compare.md describes every file and figure.
-
-Exit status: 0 every flight is flown (a collision is a result here and no failure), 1 interrupted, 2 the arguments or a file
-are wrong.";
-
-const CHECK_EXAMPLES: &str = "\
-Every fault is one line: file, line, key, value and what would be right. docs/scenario.md describes every key.
-Exit status: 0 all files are good, 2 one is not.";
-
-const SUITES_EXAMPLES: &str = "\
-Examples:
-  columba suites                           everything, 31 seeds, 25000 evaluations: some 10 s; in runs/suites/
-  columba suites --problems zdt1,dtlz2 --optimizers mslpio,nsga2 --seeds 5
-  columba suites --dimensions 3 --population 50 --generations 13
-                                           what a flight spends at each decision: 650 evaluations of 3 variables
-
-Every optimiser evaluates population x generations candidates and ends with a front of at most one population. With the same
-seeds all files have the same bytes, whatever the number of threads; but timings.parquet, which is wall time (--threads 1
-measures best). Exit status: 0 done, 2 the arguments are wrong.";
-
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Flies a scenario end to end: vehicles, link and controller. Without a file, the paper's flight.
     ///
-    /// By default in lockstep: real MAVLink over UDP in simulated time, as fast as it goes, the same seed giving the same
-    /// flight to the last bit. The run's folder holds summary.json, trajectory.parquet, flight.tlog and report.html.
-    #[command(after_long_help = RUN_EXAMPLES)]
+    /// By default in lockstep: real MAVLink over UDP in simulated time, as fast as possible; the same seed gives the same
+    /// flight to the last bit. The folder of the run holds summary.json, trajectory.parquet, flight.tlog and report.html.
+    #[command(after_long_help = help::RUN)]
     Run(RunArgs),
     /// Runs only the simulated vehicles, for your own controller, ground station or test.
     ///
     /// Each listens on its own UDP port from 14600 up and sends telemetry to 14550, as ArduPlane in GUIDED would.
-    #[command(after_long_help = VEHICLES_EXAMPLES)]
+    #[command(after_long_help = help::VEHICLES)]
     Vehicles(VehiclesArgs),
-    /// Runs only the ground controller, against whatever answers.
+    /// Runs only the ground controller, with vehicles that run elsewhere.
     ///
-    /// Waits until every vehicle of the scenario is ready, compares its limits, arms all and lets them take off, gathers them at the
-    /// scenario's starts, flies them, and leaves none alone. Vehicles that fly already are taken over. Writes the same folder as run.
-    #[command(after_long_help = FLY_EXAMPLES)]
+    /// Waits until every vehicle of the scenario has sent its position, sets them to GUIDED, arms them and flies them. Writes the
+    /// same folder as run.
+    #[command(after_long_help = help::FLY)]
     Fly(FlyArgs),
     /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while it flew.
     Recover(RecoverArgs),
     /// Compares optimisers and settings over many flights: tables with intervals and tests, and figures of each.
     ///
     /// Every contender flies every scenario with every seed, in memory and in parallel. Without a file, the paper's flight.
-    #[command(after_long_help = COMPARE_EXAMPLES)]
+    #[command(after_long_help = help::COMPARE)]
     Compare(CompareArgs),
-    /// Says what is wrong with scenario files, by line.
-    #[command(after_long_help = CHECK_EXAMPLES)]
+    /// Tells every fault of scenario files and files of contenders, by line.
+    #[command(after_long_help = help::CHECK)]
     Check(CheckArgs),
     /// Measures optimisers on test problems whose true fronts are known: ZDT and DTLZ.
     ///
     /// Hypervolume and IGD+ over many seeds. The folder holds fronts.parquet, indicators.parquet, reference-fronts.parquet,
     /// timings.parquet and table.md, which is printed too.
-    #[command(after_long_help = SUITES_EXAMPLES)]
+    #[command(after_long_help = help::SUITES)]
     Suites(SuitesArgs),
+    /// Prints completions for a shell.
+    #[command(after_long_help = help::COMPLETIONS)]
+    Completions(CompletionsArgs),
+    /// Prints the manual page, of the program or of a subcommand.
+    #[command(after_long_help = help::MAN)]
+    Man(ManArgs),
 }
 
 /// `columba run`.
@@ -173,7 +104,7 @@ pub struct RunArgs {
     /// What carries states and setpoints.
     #[arg(long, value_enum, default_value_t = Transport::Udp)]
     pub transport: Transport,
-    /// Flies in real time instead of lockstep, K times as fast as the wall clock: 0.01 to 100, 1 as in life.
+    /// Flies in real time instead of lockstep, K times as fast as the wall clock: 0.01 to 100.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = speed)]
     pub speed: Option<f64>,
 }
@@ -189,8 +120,8 @@ pub struct VehiclesArgs {
     /// Simulated time: a vehicle moves on only when it has the setpoint stamped with its time.
     #[arg(long)]
     pub lockstep: bool,
-    /// Folder in which parameters that are set and plans that are uploaded survive a restart: vehicle-1.parm,
-    /// vehicle-1-mission.txt and so on. By default they do not.
+    /// Folder that keeps parameters and plans over a restart: vehicle-1.parm, vehicle-1-mission.txt and so on. Without it,
+    /// they are not kept.
     #[arg(long, alias = "params-folder", value_name = "DIR")]
     pub state_folder: Option<PathBuf>,
     /// Prints the table of vehicles as JSON.
@@ -286,9 +217,23 @@ pub struct CompareArgs {
 /// `columba check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Scenario files (TOML).
+    /// Scenario files and files of contenders (TOML).
     #[arg(required = true)]
     pub config: Vec<PathBuf>,
+}
+
+/// `columba completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    pub shell: clap_complete::Shell,
+}
+
+/// `columba man`.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// A subcommand; without one, the page is of the program.
+    pub command: Option<String>,
 }
 
 /// `columba suites`.

@@ -8,6 +8,7 @@ pub mod config;
 pub mod counted;
 pub mod flight;
 pub mod flying;
+pub mod help;
 pub mod judge;
 pub mod record;
 pub mod report;

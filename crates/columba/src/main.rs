@@ -15,6 +15,8 @@ fn main() -> ExitCode {
         Command::Compare(args) => commands::compare(&cli, args),
         Command::Check(args) => commands::check(&cli, args),
         Command::Suites(args) => commands::suites(&cli, args),
+        Command::Completions(args) => commands::completions(args),
+        Command::Man(args) => commands::man(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

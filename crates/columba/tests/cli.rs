@@ -9,7 +9,18 @@ use common::{Room, SMALL, busy_port};
 fn help_names_every_command_and_every_flag() {
     let room = Room::new();
     let help = room.columba(&["--help"]).with(0).out;
-    for word in ["run", "vehicles", "fly", "compare", "check", "Exit status: 0 flown", "--quiet", "--threads"] {
+    for word in [
+        "run",
+        "vehicles",
+        "fly",
+        "compare",
+        "check",
+        "completions",
+        "man",
+        "Exit status: 0 flown",
+        "--quiet",
+        "--threads",
+    ] {
         assert!(help.contains(word), "{word}: {help}");
     }
     let flight = ["--seed", "--preset", "--duration", "--out", "--ground-port", "--loss", "--no-report"];
@@ -44,6 +55,175 @@ fn help_names_every_command_and_every_flag() {
         ],
     );
     of("check", &["<CONFIG>...", "docs/scenario.md"]);
+}
+
+/// Lines that are not broken are words that cannot be: flags, paths, command lines.
+#[test]
+fn help_is_readable_in_a_narrow_terminal() {
+    let room = Room::new();
+    for command in [&["--help"][..], &["run", "--help"], &["vehicles", "--help"], &["compare", "--help"]] {
+        let output = room.command(command).env("COLUMNS", "40").output().unwrap();
+        let help = String::from_utf8(output.stdout).unwrap();
+        let long: Vec<&str> = help.lines().filter(|line| line.chars().count() > 40).collect();
+        let breakable = |line: &&&str| line.split_whitespace().count() > 2 && !line.contains("columba ");
+        let broken: Vec<&&str> = long.iter().filter(breakable).collect();
+        assert!(broken.is_empty(), "{command:?}: {broken:#?}");
+    }
+}
+
+#[test]
+fn completions_and_manual_pages_are_of_this_command_line() {
+    let room = Room::new();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = room.columba(&["completions", shell]).with(0).out;
+        for word in ["vehicles", "personality", "set"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    let page = room.columba(&["man"]).with(0).out;
+    assert!(page.contains(".TH columba 1") && page.contains("columba\\-vehicles(1)"), "{page}");
+    let page = room.columba(&["man", "vehicles"]).with(0).out;
+    assert!(page.contains(".TH columba-vehicles 1") && page.contains("\\-\\-personality"), "{page}");
+    room.columba(&["man", "vehicels"])
+        .refused(&["columba: vehicels: must be a subcommand: run, ", "did you mean vehicles?"]);
+}
+
+#[test]
+fn a_misspelt_subcommand_is_answered_with_the_one_that_was_meant() {
+    let room = Room::new();
+    for (typed, meant) in [
+        ("vehicels", "vehicles"),
+        ("vehicle", "vehicles"),
+        ("compair", "compare"),
+        ("rum", "run"),
+        ("chek", "check"),
+        ("suite", "suites"),
+    ] {
+        room.columba(&[typed]).refused(&[&format!("'{typed}'"), &format!("'{meant}'")]);
+    }
+}
+
+/// Addresses that a client can send to, and a fleet that answers there.
+#[test]
+fn vehicles_on_all_interfaces_are_printed_with_addresses_of_use() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    let arguments =
+        ["vehicles", "small.toml", "--host", "0.0.0.0", "--vehicle-port", "0", "--ground-port", "0", "--json"];
+    let mut vehicles = room.command(&arguments).stdout(std::process::Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    let mut out = std::io::BufReader::new(vehicles.stdout.take().unwrap());
+    std::io::BufRead::read_line(&mut out, &mut line).unwrap();
+    vehicles.kill().unwrap();
+    vehicles.wait().unwrap();
+    let table: serde_json::Value = serde_json::from_str(&line).unwrap();
+    let vehicle = &table["vehicles"][0];
+    assert_eq!(vehicle["host"], "127.0.0.1", "{table}");
+    assert_eq!(vehicle["address"], format!("127.0.0.1:{}", vehicle["port"]), "{table}");
+}
+
+#[test]
+fn a_run_on_all_interfaces_flies() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    room.columba(&["run", "small.toml", "--host", "0.0.0.0", "--no-report", "-q", "-o", "all"]).with(0);
+    room.columba(&["run", "small.toml", "--no-report", "-q", "-o", "one"]).with(0);
+    assert!(room.read("all/trajectory.parquet") == room.read("one/trajectory.parquet"));
+}
+
+#[test]
+fn debug_tells_the_pre_flight_each_tick_and_the_link() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    let debug = |arguments: &[&str]| {
+        let output = room.command(arguments).env("RUST_LOG", "debug").output().unwrap();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let run = debug(&["run", "small.toml", "--no-report", "-o", "out"]);
+    for word in ["ground station bound", "waiting for every vehicle's position", "prepared", "tick=3", "closed"] {
+        assert!(run.contains(word), "{word}: {run}");
+    }
+    for clock in [&[][..], &["--lockstep"]] {
+        let port = common::free_ports(1).to_string();
+        let fly = ["fly", "small.toml", "--ground-port", &port, "--no-report", "-q", "-o", "none"];
+        let mut waiting = room
+            .command(&[&fly[..], clock].concat())
+            .env("RUST_LOG", "debug")
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut told = String::new();
+        let mut err = std::io::BufReader::new(waiting.stderr.take().unwrap());
+        while !(told.contains("DEBUG") && told.contains(&format!("127.0.0.1:{port}"))) {
+            assert!(std::io::BufRead::read_line(&mut err, &mut told).unwrap() > 0, "{told}");
+        }
+        waiting.kill().unwrap();
+        waiting.wait().unwrap();
+    }
+}
+
+#[test]
+fn fly_waits_no_longer_than_it_is_told_and_names_the_address() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    let port = common::free_ports(1).to_string();
+    let fly = ["fly", "small.toml", "--lockstep", "--ground-port", &port, "--no-report", "-q", "-o", "out"];
+    let said = room.columba(&[&fly[..], &["--set", "ground.patience_s=0.3"]].concat()).with(1);
+    assert_eq!(said.err, format!("columba: no telemetry on 127.0.0.1:{port} for 0.3 s from vehicle 1\n"));
+    room.columba(&["run", "--patience", "0"]).refused(&["columba: --patience 0: must be a number from 0.1 to 86400"]);
+}
+
+#[test]
+fn check_takes_files_of_contenders_and_tells_every_fault() {
+    let room = Room::new();
+    room.write("good.toml", "[[contender]]\nname = \"near\"\nlook_ahead.horizon_s = 1.5\n");
+    room.write(
+        "bad.toml",
+        "[[contender]]\nname = \"near\"\nlook_ahead.horizon_s = -1\nlaw.gain = 3\n[[contender]]\nname = \"far\"\n\
+         look_ahead.separation_m = \"x\"\n",
+    );
+    assert_eq!(room.columba(&["check", "good.toml"]).with(0).out, "good.toml: good: 1 contender: near\n");
+    let said = room.columba(&["check", "bad.toml"]).with(2);
+    let lines: Vec<&str> = said.err.lines().collect();
+    assert_eq!(lines.len(), 3, "{said:?}");
+    for (line, told) in lines.iter().zip([
+        "columba: bad.toml:3: contender \"near\": look_ahead.horizon_s = -1: must be a number greater than 0",
+        "columba: bad.toml:4: contender \"near\": law.gain: unknown key",
+        "columba: bad.toml:7: contender \"far\": look_ahead.separation_m = \"x\": must be a number",
+    ]) {
+        assert!(line.starts_with(told), "{said:?}");
+    }
+}
+
+#[test]
+fn any_key_is_set_from_the_command_line() {
+    let room = Room::new();
+    room.write("small.toml", SMALL);
+    room.columba(&[
+        "run",
+        "small.toml",
+        "--set",
+        "scenario.duration_s=3",
+        "--set",
+        "scenario.name=long",
+        "--no-report",
+        "-q",
+    ])
+    .with(0);
+    assert_eq!(room.summary("runs/long")["duration_s"], 3.0);
+    room.columba(&["fly", "--set", "law.gain=1"]).refused(&["columba: --set law.gain=1: unknown key"]);
+    room.columba(&["vehicles", "--set", "link.loss=7"])
+        .refused(&["columba: --set link.loss=7: must be a number from 0 to"]);
+}
+
+#[test]
+fn a_flight_without_obstacles_tells_of_none() {
+    let room = Room::new();
+    let (alone, _) = SMALL.split_once("[[obstacle]]").unwrap();
+    room.write("alone.toml", alone);
+    let said = room.columba(&["run", "alone.toml", "--no-report"]).with(0);
+    assert!(said.out.contains("small: 1 UAV, 0 obstacles, 2.0 s flown"), "{said:?}");
+    assert!(!said.out.contains("past the last obstacle"), "{said:?}");
 }
 
 #[test]

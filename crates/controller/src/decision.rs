@@ -50,7 +50,8 @@ impl FlockSettings {
 }
 
 impl FlockSettings {
-    /// Every setting that is out of its range, except those of the optimiser.
+    /// Every setting that is out of its range, except those of the optimiser. The limits of the vehicles must only be in
+    /// order: a real vehicle may allow less than the ranges of a scenario file.
     pub fn check(&self) -> Vec<RangeError> {
         let limits = self.dynamics.limits;
         let mut ranges = Ranges::default();
@@ -59,7 +60,11 @@ impl FlockSettings {
         ranges.extend(self.controller.law.check());
         ranges.extend(self.controller.weights.check());
         ranges.extend(self.controller.look_ahead.check());
-        ranges.extend(self.dynamics.check());
+        ranges.extend(self.dynamics.time_constants.check());
+        ranges.within("speed_min_mps", limits.speed_min_mps, 0.0, f64::INFINITY);
+        ranges.within("speed_max_mps", limits.speed_max_mps, limits.speed_min_mps, f64::INFINITY);
+        ranges.within("climb_min_mps", limits.climb_min_mps, f64::NEG_INFINITY, 0.0);
+        ranges.within("climb_max_mps", limits.climb_max_mps, 0.0, f64::INFINITY);
         ranges.errors()
     }
 }

@@ -62,19 +62,28 @@ impl Default for Limits {
     }
 }
 
+impl TimeConstants {
+    /// Every time constant that is out of its range, by the name that a scenario file gives it.
+    pub fn check(&self) -> Vec<RangeError> {
+        let mut ranges = Ranges::default();
+        for (name, value) in [
+            ("speed_time_constant_s", self.speed_s),
+            ("course_time_constant_s", self.course_s),
+            ("altitude_time_constant_a_s", self.altitude_a_s),
+            ("altitude_time_constant_b_s", self.altitude_b_s),
+        ] {
+            ranges.within(name, value, 0.02, 60.0);
+        }
+        ranges.errors()
+    }
+}
+
 impl Dynamics {
     /// Every constant that is out of its range, by the name that a scenario file gives it.
     pub fn check(&self) -> Vec<RangeError> {
         let Self { time_constants, limits } = self;
         let mut ranges = Ranges::default();
-        for (name, value) in [
-            ("speed_time_constant_s", time_constants.speed_s),
-            ("course_time_constant_s", time_constants.course_s),
-            ("altitude_time_constant_a_s", time_constants.altitude_a_s),
-            ("altitude_time_constant_b_s", time_constants.altitude_b_s),
-        ] {
-            ranges.within(name, value, 0.02, 60.0);
-        }
+        ranges.extend(time_constants.check());
         ranges.within("speed_min_mps", limits.speed_min_mps, 0.1, 300.0);
         ranges.above("speed_max_mps", limits.speed_max_mps, limits.speed_min_mps, 300.0);
         ranges.within("climb_min_mps", limits.climb_min_mps, -100.0, -0.1);

@@ -16,6 +16,7 @@
 //! assert!((state.speed_mps - 10.0).abs() < 1e-3);
 //! ```
 
+mod airframe;
 mod angle;
 mod atmosphere;
 mod autopilot;
@@ -26,6 +27,7 @@ mod range;
 mod state;
 mod wind;
 
+pub use airframe::Airframe;
 pub use angle::wrap_pi;
 pub use atmosphere::{air_density_kgpm3, air_pressure_pa, air_temperature_k, mach, speed_of_sound_mps};
 pub use autopilot::Autopilot;

@@ -40,6 +40,7 @@ pub mod incoming;
 pub mod kind;
 pub mod link;
 pub mod mission;
+pub mod multicast;
 pub mod parameter;
 pub mod setpoint;
 pub mod telemetry;
@@ -58,6 +59,7 @@ pub use frame::{Frame, FrameError, Header, Version};
 pub use impairment::{Impairment, ImpairmentError, ImpairmentSettings};
 pub use incoming::{Incoming, Request, incoming};
 pub use mission::{ItemKind, PlanItem, PlanItemMessage, PlanMessage};
+pub use multicast::{MULTICAST_GROUP, MulticastLink, MulticastScope};
 pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_value};
 pub use setpoint::{
     PartialSetpoint, SetpointError, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,

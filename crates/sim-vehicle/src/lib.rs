@@ -28,6 +28,8 @@ pub use counters::VehicleCounters;
 pub use error::SetpointError;
 pub use firmware::Personality;
 pub use host::clock::{Advance, Clock, HostError, NETWORK_VEHICLES_MAX, Observer, port_index};
+pub use host::layout::PortLayout;
+pub use host::lines::Protocol;
 pub use host::{Host, HostReport, HostSettings};
 pub use links::{PeerId, Transmit};
 pub use mode::{Mode, NoSuchMode};

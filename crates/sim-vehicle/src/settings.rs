@@ -39,10 +39,16 @@ pub struct VehicleSettings {
     pub setpoint_timeout_s: f64,
     /// Radius of LOITER and RTL circles, m.
     pub loiter_radius_m: f64,
+    /// Airspeed of the modes that need nobody, m/s; none: the present one. AIRSPEED_CRUISE begins with it.
+    pub cruise_speed_mps: Option<f64>,
+    /// Parameter files widen the limits of the flight model: they tell which vehicle it is.
+    pub files_shape_limits: bool,
     /// Microseconds since the Unix epoch at the vehicle's time zero, for SYSTEM_TIME.
     pub clock_epoch_us: u64,
     /// Where telemetry goes unasked.
     pub ground: Option<SocketAddr>,
+    /// Where else it goes unasked.
+    pub further_grounds: Vec<SocketAddr>,
     /// Parameter files in place of the vehicle's own defaults. What the vehicle does not know is kept for its clients.
     pub parameter_files: ParameterFile,
     /// Parameters in place of these and of the vehicle's own defaults, by name, in order.
@@ -122,6 +128,9 @@ impl Default for VehicleSettings {
             loiter_radius_m: 60.0,
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
+            further_grounds: Vec::new(),
+            cruise_speed_mps: None,
+            files_shape_limits: false,
             parameter_files: ParameterFile::default(),
             default_parameters: Vec::new(),
             kept_parameters: ParameterFile::default(),

@@ -2,18 +2,22 @@
 
 #[cfg(test)]
 use crate::autopilot::Autopilot;
-use crate::autopilot::plan::PlanKind;
+use crate::autopilot::plan::{PlanKind, Plans};
 use crate::counters::VehicleCounters;
-use crate::error::SetpointError;
+use crate::error::{SetpointError, Severity};
 use crate::links::{Links, PeerId, Transmit};
 use crate::lockstep::Lockstep;
 use crate::mode::Mode;
+use crate::parameters::defaults::shape_limits;
+use crate::parameters::table::Parameter;
 use crate::protocol::Services;
+use crate::protocol::command::reset::Kept;
 use crate::protocol::parameter::ParameterService;
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
 use crate::telemetry::announce::Component;
 use flight_model::{Setpoint, State};
 use mavlink_bridge::{Counters, Incoming, PlanItem, incoming};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// One simulated vehicle that speaks MAVLink as its autopilot does.
@@ -79,6 +83,8 @@ pub struct Vehicle {
     services: Services,
     lockstep: Option<Lockstep>,
     wire: Counters,
+    /// What it was told before it flew, for a reset.
+    at_start: Arc<VehicleSettings>,
 }
 
 impl Vehicle {
@@ -103,12 +109,15 @@ impl Vehicle {
     }
 
     fn start(mut settings: VehicleSettings, lockstep: Option<Lockstep>) -> Result<Self, SettingsError> {
+        let at_start = Arc::new(settings.clone());
+        shape_limits(&mut settings);
         let plans = std::mem::take(&mut settings.plans);
         let mut vehicle = Self {
             component: Component::new(settings, lockstep.is_some()),
             services: Services::default(),
             lockstep,
             wire: Counters::default(),
+            at_start,
         };
         vehicle.services.parameters.start(&mut vehicle.component)?;
         vehicle.services.missions.restore(&mut vehicle.component, plans)?;
@@ -150,6 +159,60 @@ impl Vehicle {
             self.component.announce(link);
         }
         self.services.serve(&mut self.component, self.lockstep.as_mut(), link, incoming);
+        if let Some(kept) = self.component.reset_wanted.take() {
+            self.reset(kept);
+        }
+    }
+
+    /// A peer has connected at host time `now`, over a line that tells when it is gone: it gets telemetry from now on,
+    /// until [`disconnect`](Self::disconnect).
+    pub fn connect(&mut self, now: Duration, peer: PeerId) {
+        self.component.note_host_time(now);
+        self.component.connect(peer);
+    }
+
+    /// A peer that has connected is gone.
+    pub fn disconnect(&mut self, peer: PeerId) {
+        self.component.links().disconnect(peer);
+    }
+
+    /// How fast its clock is to run, if a client has set SIM_SPEEDUP since this was last asked: the host's, and so that
+    /// of all its vehicles.
+    pub fn take_speedup(&mut self) -> Option<f64> {
+        self.services.parameters.take_speedup()
+    }
+
+    /// How fast its clock runs, for SIM_SPEEDUP.
+    pub fn note_speedup(&mut self, speedup: f64) {
+        let parameters = &mut self.component.autopilot.parameters;
+        // Out of range it is told as the nearest that clients can set.
+        let speedup = speedup.clamp(0.01, 100.0) as f32;
+        if parameters.get(Parameter::Speedup) != speedup {
+            let _ = parameters.set(Parameter::Speedup, speedup);
+        }
+    }
+
+    /// It is as it was when the program started; its peers stay, and its time goes on.
+    fn reset(&mut self, kept: Kept) {
+        let mut settings = (*self.at_start).clone();
+        if kept == Kept::Stored {
+            settings.kept_parameters = self.set_parameters().map(|(name, value)| (name.to_owned(), value)).collect();
+            let [mission, fence, rally] = PlanKind::ALL.map(|kind| self.plan(kind).to_vec());
+            settings.plans = Plans { mission, fence, rally };
+        }
+        // Another vehicle behind the port may have its first system id by now.
+        if self.services.parameters.is_taken(settings.system_id) {
+            settings.system_id = self.component.settings.system_id;
+        }
+        match Self::start(settings, None) {
+            Ok(fresh) => {
+                self.services.parameters.begin_anew(fresh.component.settings.system_id);
+                self.services.missions.begin_anew();
+                self.component.begin_anew(fresh.component);
+                self.component.say(Severity::Info, "Reset to the start");
+            }
+            Err(error) => self.component.say(Severity::Warning, &format!("Reset: {error}")),
+        }
     }
 
     /// Follows a setpoint, as if it had come in a SET_POSITION_TARGET_LOCAL_NED: for runs in memory.

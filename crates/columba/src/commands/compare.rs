@@ -5,6 +5,7 @@ use crate::args::{Cli, CompareArgs};
 use crate::compare::campaign::{self, Census, Crew};
 use crate::compare::{self, JOURNAL, Journal, JournalError, Plan, results};
 use crate::config::{self, Contender};
+use crate::counted::counted;
 use crate::record::{RunFolder, holds_something};
 use anyhow::anyhow;
 use optimizer::{Algorithm, OptimizerSettings};
@@ -90,7 +91,8 @@ fn announce(plan: &Plan, census: Census, folder: &RunFolder) {
     }
     if others > 0 {
         print_line(format_args!(
-            "  {others} flights of other comparisons stay in {}; tables and report are written anew",
+            "  {} of other comparisons stay in {}; tables and report are written anew",
+            counted(others, "flight"),
             journal.display()
         ));
     }

@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod fly;
+mod manual;
 mod recover;
 mod run;
 mod suites;
@@ -12,6 +13,7 @@ mod vehicles;
 pub use check::check;
 pub use compare::compare;
 pub use fly::fly;
+pub use manual::{completions, man};
 pub use recover::recover;
 pub use run::run;
 pub use suites::suites;
@@ -26,6 +28,7 @@ use crate::record::{self, Occupied, RecordError, RunFolder};
 use crate::report;
 use crate::station::record::drawable;
 use anyhow::{Context, anyhow};
+use sim_vehicle::PortLayout;
 use std::fmt::Display;
 use std::future::Future;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -130,13 +133,13 @@ fn ground_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> 
 fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
     /// What else is open: the terminal, the runtime, the ground's port, files of the run.
     const OTHERS: u64 = 64;
-    let needed = flying::ports(scenario) as u64 + OTHERS;
+    let needed = flying::sockets(scenario) as u64 + OTHERS;
     match rlimit::increase_nofile_limit(needed) {
         Ok(allowed) if allowed < needed => Err(anyhow!(
-            "{} vehicles need {} ports, and the system allows {allowed} open files: must be at least {needed} \
+            "{} need {}, and the system allows {allowed} open files: must be at least {needed} \
              (ulimit -n {needed}), or fewer ports (--per-port N)",
-            scenario.starts.len(),
-            flying::ports(scenario)
+            counted(scenario.starts.len(), "vehicle"),
+            counted(flying::sockets(scenario), "port")
         )),
         // Where there is no such limit, or none can be found out, the ports will tell.
         _ => Ok(()),
@@ -145,6 +148,9 @@ fn allow_ports(scenario: &Scenario) -> anyhow::Result<()> {
 
 /// A vehicle's port that cannot be bound.
 fn vehicle_port_refused(scenario: &Scenario, error: impl Into<anyhow::Error>) -> anyhow::Error {
+    if scenario.link.layout != PortLayout::Columba {
+        return port_refused(scenario, "link.instance", "an instance whose ports are free", error.into());
+    }
     let wanted = match flying::ports(scenario) {
         1 => "a free port, or 0 for any".to_owned(),
         count => format!("the first of {count} free ports in a row, or 0 for any"),
@@ -257,10 +263,12 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
         metres(summary.min_separation_m),
         metres(summary.min_clearance_m)
     ));
+    let past = match summary.obstacles {
+        0 => String::new(),
+        _ => format!("past the last obstacle: {} of {}; ", summary.passed_last_obstacle, summary.vehicles),
+    };
     print_line(format_args!(
-        "  past the last obstacle: {} of {}; speed converged {}, course {}, altitude {}",
-        summary.passed_last_obstacle,
-        summary.vehicles,
+        "  {past}speed converged {}, course {}, altitude {}",
         seconds(summary.speed_convergence_s),
         seconds(summary.course_convergence_s),
         seconds(summary.altitude_settling_s)

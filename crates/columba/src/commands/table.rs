@@ -1,9 +1,9 @@
 //! Who is where on which port: the table that `columba vehicles` prints. docs/mavlink.md describes every field.
 
-use crate::flying::network;
+use crate::flying::{network, reachable};
 use flight_model::Geodetic;
 use serde::Serialize;
-use sim_vehicle::{Host, Mode, Vehicle};
+use sim_vehicle::{Host, Mode, Protocol, Vehicle};
 use std::fmt::Write;
 use std::net::{IpAddr, SocketAddr};
 
@@ -27,6 +27,8 @@ struct Row {
     address: SocketAddr,
     host: IpAddr,
     port: u16,
+    /// Every address at which it listens.
+    links: Vec<Line>,
     ground: Option<SocketAddr>,
     mode: Mode,
     armed: bool,
@@ -40,11 +42,19 @@ struct Row {
     course_rad: f64,
 }
 
+/// A way to a vehicle.
+#[derive(Serialize)]
+struct Line {
+    protocol: Protocol,
+    address: SocketAddr,
+}
+
 impl Table {
     /// Of vehicles that have their ports and have not flown yet.
     pub fn of(host: &Host, speed: Option<f64>) -> Self {
-        let rows = host.vehicles().zip(host.addresses()).enumerate();
-        let vehicles: Vec<Row> = rows.map(|(index, (vehicle, address))| Row::of(index, vehicle, *address)).collect();
+        let rows = host.vehicles().zip(host.addresses()).zip(host.lines()).enumerate();
+        let vehicles: Vec<Row> =
+            rows.map(|(index, ((vehicle, address), lines))| Row::of(index, vehicle, *address, lines)).collect();
         Self { ground: vehicles.first().and_then(|row| row.ground), speed, vehicles }
     }
 
@@ -63,7 +73,7 @@ impl Table {
         );
         for row in &self.vehicles {
             let Row { vehicle, system_id, x_m, y_m, altitude_m, .. } = row;
-            let address = row.address.to_string();
+            let address = row.words();
             // Writing to a string cannot fail.
             let _ =
                 writeln!(words, "{vehicle:>7} {system_id:>6}  {address:<21} {x_m:>9.1} {y_m:>9.1} {altitude_m:>8.1}");
@@ -73,18 +83,23 @@ impl Table {
         }
         let unasked = self.ground.map(|address| format!("{address} and to ")).unwrap_or_default();
         let next = self.ground.filter(|_| networks > 1).map(|_| ", the port after it for the next network");
-        let _ = writeln!(
-            words,
-            "telemetry to {unasked}whoever speaks to a vehicle{}; Ctrl-C ends",
-            next.unwrap_or_default()
-        );
+        let _ = writeln!(words, "telemetry to {unasked}clients that connect{}; Ctrl-C ends", next.unwrap_or_default());
         words
     }
 }
 
 impl Row {
-    fn of(index: usize, vehicle: &Vehicle, address: SocketAddr) -> Self {
+    /// Where it listens, for people: the first of its TCP ports if it has any.
+    fn words(&self) -> String {
+        match self.links.iter().find(|line| line.protocol == Protocol::Tcp) {
+            Some(line) => format!("tcp:{}", line.address),
+            None => self.address.to_string(),
+        }
+    }
+
+    fn of(index: usize, vehicle: &Vehicle, address: SocketAddr, lines: Vec<(Protocol, SocketAddr)>) -> Self {
         let (settings, start) = (vehicle.settings(), vehicle.state());
+        let address = reachable(address);
         let Geodetic { latitude_deg, longitude_deg, altitude_amsl_m } =
             settings.frame.to_geodetic(start.x_m, start.y_m, start.altitude_m);
         Self {
@@ -95,6 +110,10 @@ impl Row {
             address,
             host: address.ip(),
             port: address.port(),
+            links: lines
+                .into_iter()
+                .map(|(protocol, address)| Line { protocol, address: reachable(address) })
+                .collect(),
             ground: settings.ground,
             mode: vehicle.mode(),
             armed: vehicle.is_armed(),

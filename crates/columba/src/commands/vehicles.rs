@@ -3,20 +3,23 @@
 use super::table::Table;
 use super::{Failure, allow_ports, block_on, stop_on_signal, vehicle_port_refused};
 use crate::args::{Cli, VehiclesArgs};
-use crate::config::{self, GROUND_PORT, Scenario, VEHICLE_PORT};
+use crate::config::{self, GROUND_PORT, Layer, PLANE, Scenario, VEHICLE_PORT};
 use crate::flying;
 use anyhow::{Context, anyhow};
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Host, HostError, HostReport, HostSettings, Vehicle};
+use sim_vehicle::{Host, HostError, HostReport, HostSettings, PortLayout, Vehicle};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
 /// Runs the vehicles until Ctrl-C.
 pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
-    let scenario = config::load(args.config.as_deref(), &cli.layers)?;
+    let layers = if args.config.is_none() && !args.lockstep { with_planes(&cli.layers) } else { cli.layers.clone() };
+    let scenario = config::load(args.config.as_deref(), &layers)?;
     let base_port = scenario.link.vehicle_port.unwrap_or(VEHICLE_PORT);
-    check_apart(&scenario, base_port)?;
+    if scenario.link.layout == PortLayout::Columba {
+        check_apart(&scenario, base_port)?;
+    }
     allow_ports(&scenario)?;
     let stop = stop_on_signal()?;
     let speed = (!args.lockstep).then_some(args.speed);
@@ -29,6 +32,8 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     }
     let settings = HostSettings {
         state_folder: args.state_folder.clone(),
+        layout: scenario.link.layout,
+        multicast: scenario.link.multicast,
         ..flying::host_settings(&scenario, clock, base_port, link)
     };
     let mut vehicles = flying::vehicle_settings(&scenario, None, epoch_us);
@@ -37,7 +42,9 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     }
     let report = block_on(async {
         let host = Host::bind(&settings, vehicles).map_err(|error| match error {
-            HostError::Link(_) | HostError::TooManyPorts { .. } => vehicle_port_refused(&scenario, error),
+            HostError::Link(_) | HostError::Tcp { .. } | HostError::TooManyPorts { .. } => {
+                vehicle_port_refused(&scenario, error)
+            }
             other => other.into(),
         })?;
         if !cli.quiet {
@@ -53,8 +60,28 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
         Ok(host.run(Arc::new(|_| {}), stop).await?)
     })?;
     tracing::info!(wire = ?report.wire, "vehicles stopped");
-    tell_speed(&report, args.speed);
+    tell_speed(&report);
     Ok(())
+}
+
+/// The flags' layers, and beneath them what makes vehicles planes that are not the paper's five: those of a count, a swarm
+/// file, or the ports of an autopilot, for which scripts ask for an autopilot's speeds.
+fn with_planes(flags: &[Layer]) -> Vec<Layer> {
+    let written = |key: &str| config::written(flags, key);
+    let has_number = written("vehicles.count").is_some() || written("vehicles.file").is_some();
+    let has_autopilots_ports = written("link.ports").is_some_and(|ports| ports != "\"columba\"");
+    let is_paper = match written("airframe") {
+        Some(airframe) => airframe == "\"paper\"",
+        None => !has_number && !has_autopilots_ports,
+    };
+    if is_paper {
+        return flags.to_vec();
+    }
+    let airframe = format!("airframe = \"{PLANE}\"");
+    let number = if has_number { None } else { Some("vehicles.count = 5") };
+    let layers = std::iter::once(airframe.as_str()).chain(number);
+    let layers = layers.filter_map(|toml| Layer::of_flag("--airframe", "airframe", toml).ok());
+    layers.chain(flags.iter().cloned()).collect()
 }
 
 /// Where a vehicle sends its telemetry unasked. Each network has a ground port of its own: on one port, vehicles of two
@@ -62,7 +89,7 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
 fn ground(scenario: &Scenario, vehicle: usize) -> Option<SocketAddr> {
     let first = scenario.link.ground_port.unwrap_or(GROUND_PORT);
     let port = u16::try_from(usize::from(first) + flying::network(vehicle) - 1).ok()?;
-    (first > 0).then(|| SocketAddr::new(scenario.link.host, port))
+    (first > 0).then(|| flying::reachable(SocketAddr::new(scenario.link.host, port)))
 }
 
 /// Vehicles that listened where telemetry goes would hear each other instead of a ground station.
@@ -95,8 +122,11 @@ fn tell_inert(host: &Host) {
 }
 
 /// Says so if the vehicles fell behind the clock: by less than a hundredth, nobody can tell.
-fn tell_speed(report: &HostReport, asked: f64) {
-    if let Some(reached) = report.speed_reached.filter(|reached| *reached < 0.99 * asked) {
+fn tell_speed(report: &HostReport) {
+    let (Some(reached), Some(asked)) = (report.speed_reached, report.speed_asked) else { return };
+    if reached < 0.99 * asked {
+        // Where SIM_SPEEDUP changed it on the way, the mean has no end of digits.
+        let asked = (asked * 1e3).round() / 1e3;
         tracing::warn!("the vehicles fell behind: {reached:.2} times real time instead of {asked}");
     }
 }

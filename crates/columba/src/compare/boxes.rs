@@ -1,8 +1,8 @@
 //! Box plots: how each contender's flights are spread, by one measure.
 
 use super::report::{Drawing, file_part};
-use super::results::{MEASURES, Measure, Outcome, Standing};
-use super::words;
+use super::results::{ContenderSummary, MEASURES, Measure, Outcome};
+use super::tables;
 use crate::report::chart::{
     ALARM, Anchor, Axis, BELOW_PX, Frame, INK, Legend, Mark, RIGHT_PX, WIDTH_PX, diamond, dot, series, text_width_px,
 };
@@ -33,7 +33,7 @@ pub fn all(outcome: &Outcome<'_>) -> Vec<Drawing> {
 fn draw(outcome: &Outcome<'_>, index: usize) -> String {
     let measure = &MEASURES[index];
     let rows: Vec<Row<'_>> =
-        outcome.standings.iter().map(|standing| Row::of(outcome.scenario, standing, index)).collect();
+        outcome.summaries.iter().map(|summary| Row::of(outcome.scenario, summary, index)).collect();
     let legend = legend(&rows);
     let frame = frame(&rows, legend.height());
     let mut drawing =
@@ -41,7 +41,7 @@ fn draw(outcome: &Outcome<'_>, index: usize) -> String {
     legend.draw(&mut drawing, 0.0);
     frame.draw_x(&mut drawing, &format!("{} ({})", measure.name, measure.unit));
     let right = frame.left + frame.width;
-    if rows.iter().any(|row| row.never > 0.0) {
+    if beyond(&rows) {
         drawing.text(right + SHARE_PX, frame.top - 6.0, Anchor::Middle, "never");
     }
     for (number, row) in rows.iter().enumerate() {
@@ -66,13 +66,13 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    fn of(scenario: &str, standing: &'a Standing<'_>, index: usize) -> Self {
-        let values = standing.samples[index].as_slice();
+    fn of(scenario: &str, summary: &'a ContenderSummary<'_>, index: usize) -> Self {
+        let values = summary.samples[index].as_slice();
         let never = values.iter().filter(|value| **value == f64::INFINITY).count();
-        let paper = words::in_the_paper(scenario, standing.algorithm);
+        let paper = tables::in_the_paper(scenario, summary.algorithm);
         let of_measure = |(speed_s, course_s)| [Some(speed_s), Some(course_s)].get(index).copied().flatten();
         Self {
-            name: shortened(standing.contender),
+            name: shortened(summary.contender),
             values,
             never: never as f64 / values.len().max(1) as f64,
             paper: paper.and_then(of_measure),
@@ -119,10 +119,15 @@ fn legend(rows: &[Row<'_>]) -> Legend {
     Legend::new(entries)
 }
 
+/// Whether something lies beyond the chart: flights that never came there, or the paper's.
+fn beyond(rows: &[Row<'_>]) -> bool {
+    rows.iter().any(|row| row.never > 0.0 || row.paper == Some(f64::INFINITY))
+}
+
 /// Rows from top to bottom beside their names.
 fn frame(rows: &[Row<'_>], legend_px: f64) -> Frame {
     let names_px = rows.iter().map(|row| text_width_px(&row.name)).fold(40.0, f64::max).min(NAMES_MAX_PX);
-    let beyond = rows.iter().any(|row| row.never > 0.0 || row.paper == Some(f64::INFINITY));
+    let beyond = beyond(rows);
     let values = || rows.iter().flat_map(Row::finite);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     let left = names_px + 14.0;

@@ -1,7 +1,7 @@
 //! Comparing optimisers and settings over many flights: the paper's Table 1 and Fig. 2 to 4.
 //!
 //! A [`Plan`] says which flights; [`campaign`] flies those that the [`Journal`] does not hold yet; [`results`] sums them up
-//! by [`statistics`]; `parquet.rs`, `table.rs`, `boxes.rs` and `report.rs` write what people and scripts
+//! by [`statistics`]; `parquet.rs`, `tables.rs`, `table_files.rs`, `boxes.rs` and `report.rs` write what people and scripts
 //! read.
 
 mod boxes;
@@ -13,14 +13,14 @@ mod report;
 pub mod results;
 mod seeds;
 pub mod statistics;
-mod table;
-mod words;
+mod table_files;
+mod tables;
 
 pub use journal::{Flown, JOURNAL, Journal, JournalError};
 pub use plan::{Plan, PlanError, Planned};
 pub use report::{Picture, draw};
 pub use seeds::Seeds;
-pub use table::headline;
+pub use table_files::headline;
 
 use crate::record::{RecordError, RunFolder};
 use crate::report::ReportError;
@@ -71,13 +71,13 @@ pub fn write(
 ) -> Result<(), CompareError> {
     folder.write("flights.parquet", &parquet::flights_parquet(rows)?)?;
     folder.write("timings.parquet", &parquet::timings_parquet(rows)?)?;
-    folder.write("table.json", table::json(plan, outcomes)?.as_bytes())?;
-    folder.write("table.md", table::markdown(plan, outcomes).as_bytes())?;
+    folder.write("table.json", table_files::json(plan, outcomes)?.as_bytes())?;
+    folder.write("table.md", table_files::markdown(plan, outcomes).as_bytes())?;
     Ok(report::write(folder, plan, outcomes, pictures)?)
 }
 
 /// What the screen shows of an outcome: its tables, and the times that another run changes.
 pub fn screen(outcome: &Outcome<'_>) -> String {
-    let tables = words::tables(outcome).into_iter().chain([words::times(outcome)]);
-    tables.map(|table| table::of_table(&table)).collect()
+    let tables = tables::tables(outcome).into_iter().chain([tables::times(outcome)]);
+    tables.map(|table| table_files::of_table(&table)).collect()
 }

@@ -4,8 +4,8 @@ use super::boxes;
 use super::campaign::{Crew, fly_once};
 use super::plan::Plan;
 use super::results::{MEASURES, Outcome};
-use super::table;
-use super::words::{self, Table};
+use super::table_files;
+use super::tables::{self, Table};
 use crate::flight::Flight;
 use crate::record::RunFolder;
 use crate::report::{CSS, PNG_SCALE, ReportError, escape, figures, fill, headline, to_png};
@@ -74,7 +74,7 @@ pub fn draw(plan: &Plan, seed: u64, crew: &Crew) -> anyhow::Result<Option<Vec<Pi
 
 fn picture(plan: &Plan, scenario: usize, contender: usize, flight: &Flight, file: &str) -> Picture {
     let summary = &flight.summary;
-    let is_paper = words::in_the_paper(&plan.scenarios[scenario], &summary.algorithm).is_some();
+    let is_paper = tables::in_the_paper(&plan.scenarios[scenario], &summary.algorithm).is_some();
     let in_paper = PAPER_FIGURES.iter().find(|(algorithm, _)| is_paper && *algorithm == summary.algorithm);
     let in_paper = in_paper.map(|(_, figure)| format!(", as in the paper's {figure}")).unwrap_or_default();
     let drawing = |(part, title, draw): (&str, &'static str, Draw)| {
@@ -157,7 +157,7 @@ fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture], boxes: &[Ve
             ("title", &escape(&title)),
             ("css", CSS),
             ("compare-css", COMPARE_CSS),
-            ("subtitle", &escape(&format!("{} {}.", table::headline(plan), plan.contenders.join(", ")))),
+            ("subtitle", &escape(&format!("{} {}.", table_files::headline(plan), plan.contenders.join(", ")))),
             ("sections", &sections.collect::<String>()),
             ("laid", &plan.laid.iter().map(laid).collect::<String>()),
             ("version", env!("CARGO_PKG_VERSION")),
@@ -165,12 +165,12 @@ fn page(plan: &Plan, outcomes: &[Outcome<'_>], pictures: &[Picture], boxes: &[Ve
     )
 }
 
-/// After which of [`words::tables`] the measures' figures stand.
+/// After which of [`tables::tables`] the measures' figures stand.
 const AFTER_TABLE: [usize; MEASURES.len()] = [0, 0, 1, 2, 2, 2];
 
 fn section<'a>(outcome: &Outcome<'_>, boxes: &[Drawing], pictures: impl Iterator<Item = &'a Picture>) -> String {
     let name = escape(outcome.scenario);
-    let tables: String = words::tables(outcome)
+    let tables: String = tables::tables(outcome)
         .iter()
         .enumerate()
         .map(|(index, table)| {
@@ -184,14 +184,14 @@ fn section<'a>(outcome: &Outcome<'_>, boxes: &[Drawing], pictures: impl Iterator
             of_table(table, "") + &figures
         })
         .collect();
-    let times = of_table(&words::times(outcome), " class=\"times\"");
+    let times = of_table(&tables::times(outcome), " class=\"times\"");
     let pictures: String = pictures.map(of_picture).collect();
     format!("<section>\n  <h2>Scenario {name}</h2>\n{tables}{times}{pictures}</section>\n")
 }
 
 /// What was laid over the scenarios, and by whom.
 fn laid((who, toml): &(String, String)) -> String {
-    let toml = if toml.is_empty() { table::NOTHING } else { toml };
+    let toml = if toml.is_empty() { table_files::NOTHING } else { toml };
     format!("  <h3>{}</h3>\n  <pre>{}</pre>\n", escape(who), escape(toml))
 }
 

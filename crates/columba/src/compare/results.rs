@@ -1,4 +1,4 @@
-//! What a comparison found: a row for each flight, a standing for each contender, and the tests between them.
+//! What a comparison found: a row for each flight, a summary for each contender, and the tests between them.
 
 use super::plan::Plan;
 use super::statistics::{Interval, holm, mann_whitney, median, median_interval, wilson_interval};
@@ -99,7 +99,7 @@ pub struct Estimate {
 
 /// How one contender flew one scenario.
 #[derive(Clone, Debug)]
-pub struct Standing<'a> {
+pub struct ContenderSummary<'a> {
     /// Who.
     pub contender: &'a str,
     /// With which optimiser.
@@ -149,7 +149,7 @@ pub struct Times {
 
 /// A contender against the first, by one measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Duel<'a> {
+pub struct RankComparison<'a> {
     /// By what.
     pub measure: &'static Measure,
     /// Who.
@@ -173,9 +173,9 @@ pub struct Outcome<'a> {
     /// The scenario's name.
     pub scenario: &'a str,
     /// Every contender, in the order in which they were named.
-    pub standings: Vec<Standing<'a>>,
+    pub summaries: Vec<ContenderSummary<'a>>,
     /// By measure, then contender.
-    pub duels: Vec<Duel<'a>>,
+    pub comparisons: Vec<RankComparison<'a>>,
 }
 
 /// The outcome of every scenario of a plan. `rows` are all its flights, in its order.
@@ -186,13 +186,13 @@ pub fn outcomes<'a>(plan: &'a Plan, rows: &[Row<'a>]) -> Vec<Outcome<'a>> {
         .zip(rows.chunks(per_scenario.max(1)))
         .map(|(scenario, rows)| {
             let flights: Vec<&[Row<'a>]> = rows.chunks(plan.seeds.len().max(1)).collect();
-            let standings = flights.iter().filter_map(|rows| standing(rows)).collect();
-            Outcome { scenario, standings, duels: duels(&flights) }
+            let summaries = flights.iter().filter_map(|rows| summarise(rows)).collect();
+            Outcome { scenario, summaries, comparisons: comparisons(&flights) }
         })
         .collect()
 }
 
-fn standing<'a>(rows: &[Row<'a>]) -> Option<Standing<'a>> {
+fn summarise<'a>(rows: &[Row<'a>]) -> Option<ContenderSummary<'a>> {
     let first = rows.first()?;
     let flights = || rows.iter().map(|row| row.summary);
     let count = |is: fn(&Summary) -> bool| flights().filter(|&summary| is(summary)).count();
@@ -201,7 +201,7 @@ fn standing<'a>(rows: &[Row<'a>]) -> Option<Standing<'a>> {
     let middle =
         |of: fn(&Summary) -> f64| median(&flights().map(of).filter(|value| value.is_finite()).collect::<Vec<_>>());
     let successes = count(|summary| summary.success);
-    Some(Standing {
+    Some(ContenderSummary {
         contender: first.contender,
         algorithm: &first.summary.algorithm,
         flights: rows.len(),
@@ -239,24 +239,26 @@ fn estimate(values: &[f64]) -> Option<Estimate> {
 }
 
 /// Every contender's flights against the first's.
-fn duels<'a>(flights: &[&[Row<'a>]]) -> Vec<Duel<'a>> {
+fn comparisons<'a>(flights: &[&[Row<'a>]]) -> Vec<RankComparison<'a>> {
     let Some((reference, others)) = flights.split_first() else { return Vec::new() };
-    let mut duels = Vec::new();
+    let mut comparisons = Vec::new();
     for measure in &MEASURES {
         let against = values(measure, reference);
-        let of_measure: Vec<Duel<'a>> = others
+        let of_measure: Vec<RankComparison<'a>> = others
             .iter()
             .filter_map(|rows| {
                 let test = mann_whitney(&values(measure, rows), &against)?;
                 let better = if measure.less_is_better { test.smaller } else { 1.0 - test.smaller };
                 let (contender, against) = (rows.first()?.contender, reference.first()?.contender);
-                Some(Duel { measure, contender, against, u: test.u, p: test.p, p_holm: test.p, better })
+                Some(RankComparison { measure, contender, against, u: test.u, p: test.p, p_holm: test.p, better })
             })
             .collect();
-        let corrected = holm(&of_measure.iter().map(|duel| duel.p).collect::<Vec<_>>());
-        duels.extend(of_measure.into_iter().zip(corrected).map(|(duel, p_holm)| Duel { p_holm, ..duel }));
+        let corrected = holm(&of_measure.iter().map(|comparison| comparison.p).collect::<Vec<_>>());
+        comparisons.extend(
+            of_measure.into_iter().zip(corrected).map(|(comparison, p_holm)| RankComparison { p_holm, ..comparison }),
+        );
     }
-    duels
+    comparisons
 }
 
 #[cfg(test)]
@@ -294,27 +296,30 @@ pub(super) mod tests {
     #[test]
     fn a_standing_counts_and_what_never_came_is_later_than_all() {
         let flights = [flights(20.0, 0, 2.5), flights(20.0, 6, 0.5)];
-        let standings = flights.each_ref().map(|flights| standing(&rows("one", flights)).unwrap());
-        assert_eq!((standings[0].flights, standings[0].successes, standings[0].vehicle_collisions), (10, 10, 0));
-        assert_eq!((standings[1].successes, standings[1].vehicle_collisions), (0, 10));
-        assert_eq!((standings[0].speed_converged, standings[1].speed_converged), (10, 4));
-        assert_eq!(standings[0].estimates[0].unwrap().median, 24.5);
-        assert_eq!(standings[1].estimates[0].unwrap().median, f64::INFINITY);
-        let Interval { low, high } = standings[0].estimates[0].unwrap().interval.unwrap();
+        let summaries = flights.each_ref().map(|flights| summarise(&rows("one", flights)).unwrap());
+        assert_eq!((summaries[0].flights, summaries[0].successes, summaries[0].vehicle_collisions), (10, 10, 0));
+        assert_eq!((summaries[1].successes, summaries[1].vehicle_collisions), (0, 10));
+        assert_eq!((summaries[0].speed_converged, summaries[1].speed_converged), (10, 4));
+        assert_eq!(summaries[0].estimates[0].unwrap().median, 24.5);
+        assert_eq!(summaries[1].estimates[0].unwrap().median, f64::INFINITY);
+        let Interval { low, high } = summaries[0].estimates[0].unwrap().interval.unwrap();
         assert_eq!((low, high), (21.0, 28.0));
-        assert_eq!(standings[0].least_separation_m, Some(2.5));
-        assert_eq!(standings[0].least_clearance_m, None);
-        assert_eq!(standings[0].times.solve_us_p50, None, "no number is no time");
+        assert_eq!(summaries[0].least_separation_m, Some(2.5));
+        assert_eq!(summaries[0].least_clearance_m, None);
+        assert_eq!(summaries[0].times.solve_us_p50, None, "no number is no time");
     }
 
     #[test]
     fn better_is_sooner_but_farther_apart() {
         let (reference, later, nearer) = (flights(20.0, 0, 2.5), flights(40.0, 0, 2.5), flights(20.0, 0, 1.5));
         let flights = [rows("reference", &reference), rows("later", &later), rows("nearer", &nearer)];
-        let duels = duels(&flights.each_ref().map(Vec::as_slice));
-        assert_eq!(duels.len(), 2 * MEASURES.len());
+        let comparisons = comparisons(&flights.each_ref().map(Vec::as_slice));
+        assert_eq!(comparisons.len(), 2 * MEASURES.len());
         let of = |key: &str, contender: &str| {
-            *duels.iter().find(|duel| duel.measure.key == key && duel.contender == contender).unwrap()
+            *comparisons
+                .iter()
+                .find(|comparison| comparison.measure.key == key && comparison.contender == contender)
+                .unwrap()
         };
         assert_eq!(of("speed_convergence_s", "later").better, 0.0);
         assert_eq!(of("speed_convergence_s", "nearer").better, 0.5);

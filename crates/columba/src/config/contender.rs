@@ -195,6 +195,7 @@ impl Entry {
         let mut file = self.file.clone();
         file.scenario.seed = 0;
         file.link = Default::default();
+        file.ground = Default::default();
         file.output = Default::default();
         serde_json::to_string(&file)
     }

@@ -1,15 +1,17 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
+use super::airframe::AirframeKey;
 use super::obstacles::{ObstacleTable, ObstaclesTable};
 use super::parameters::ParametersTable;
 use super::swarm::Place;
+use crate::flying::GroundSettings;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
 use flight_model::{Dynamics, Limits, RangeError, TimeConstants};
-use mavlink_bridge::ImpairmentSettings;
+use mavlink_bridge::{ImpairmentSettings, MulticastScope};
 use optimizer::OptimizerSettings;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
-use sim_vehicle::{TelemetryRates, VehicleSettings};
+use sim_vehicle::{PortLayout, TelemetryRates, VehicleSettings};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -46,6 +48,9 @@ pub struct ScenarioFile {
     /// Who picks the weights.
     #[serde(default)]
     pub optimizer: OptimizerSettings,
+    /// What the dynamics start from; the paper's where absent.
+    #[serde(default)]
+    pub airframe: Option<AirframeKey>,
     /// How vehicles fly (Eq. 1 and 3).
     #[serde(default)]
     pub dynamics: DynamicsTable,
@@ -58,6 +63,9 @@ pub struct ScenarioFile {
     /// The link.
     #[serde(default)]
     pub link: LinkTable,
+    /// How the ground station waits for vehicles.
+    #[serde(default)]
+    pub ground: GroundSettings,
     /// Where a run is written.
     #[serde(default)]
     pub output: OutputTable,
@@ -346,6 +354,8 @@ pub struct AutopilotTable {
     pub setpoint_timeout_s: f64,
     /// Radius of the circle, m.
     pub loiter_radius_m: f64,
+    /// Airspeed of LOITER, RTL and AUTO, m/s; the present one where absent.
+    pub cruise_speed_mps: Option<f64>,
     /// Whether vehicles start armed; else they wait at their start until armed.
     pub armed: bool,
     /// Whether vehicles start on the ground, disarmed, instead of in the air.
@@ -380,6 +390,7 @@ impl Default for AutopilotTable {
         Self {
             setpoint_timeout_s,
             loiter_radius_m,
+            cruise_speed_mps: None,
             armed: true,
             on_ground: false,
             personality: sim_vehicle::Personality::default(),
@@ -441,6 +452,12 @@ pub struct LinkTable {
     pub vehicles_per_port: usize,
     /// Controller's port, to which vehicles send their telemetry. Where absent: 14550, or any free port for a run.
     pub ground_port: Option<u16>,
+    /// Which ports vehicles have.
+    pub ports: PortsKey,
+    /// With an autopilot's ports, the instance of the first vehicle.
+    pub instance: u16,
+    /// Whether vehicles are members of ArduPilot's multicast group too.
+    pub multicast: bool,
     /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
     /// Share of datagrams that are lost, each way.
@@ -453,6 +470,37 @@ pub struct LinkTable {
     pub delay_ms: f64,
     /// What is added to it at random, up to, ms.
     pub jitter_ms: f64,
+}
+
+/// Which ports `columba vehicles` opens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "lowercase")]
+pub enum PortsKey {
+    /// UDP 14600 and up, as `vehicle_port` and `vehicles_per_port` say.
+    #[default]
+    Columba,
+    /// Those of ArduPilot's SITL: TCP 5760 + 10 i, telemetry to UDP 14550 + 10 i.
+    ArduPilot,
+    /// Those of PX4's SITL: UDP 14580 + i to 14540 + i, and 18570 + i to 14550.
+    Px4,
+}
+
+impl LinkTable {
+    /// The ports as a host has them.
+    pub fn layout(&self) -> PortLayout {
+        match self.ports {
+            PortsKey::Columba => PortLayout::Columba,
+            PortsKey::ArduPilot => PortLayout::ArduPilot { instance: self.instance },
+            PortsKey::Px4 => PortLayout::Px4 { instance: self.instance },
+        }
+    }
+
+    /// How far multicast reaches, if there is any: no further than the other ports.
+    pub fn multicast(&self) -> Option<MulticastScope> {
+        let is_local = self.host.parse().is_ok_and(|host: std::net::IpAddr| host.is_loopback());
+        self.multicast.then_some(if is_local { MulticastScope::Host } else { MulticastScope::Network })
+    }
 }
 
 /// How setpoints are written in real time; a lockstep run always uses the stamped local-ned form.
@@ -486,6 +534,9 @@ impl Default for LinkTable {
             vehicle_port: None,
             vehicles_per_port: 1,
             ground_port: None,
+            ports: PortsKey::default(),
+            instance: 0,
+            multicast: false,
             setpoints: SetpointDialect::default(),
             loss: 0.0,
             duplication: 0.0,

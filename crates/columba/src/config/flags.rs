@@ -3,7 +3,7 @@
 //! What the command line says lies over the file: first `--set`, in the order in which it was written, then these flags.
 
 use super::Preset;
-use super::file::Pattern;
+use super::file::{Pattern, PortsKey};
 use super::layer::Layer;
 use clap::builder::{OsStringValueParser, PossibleValue, PossibleValuesParser};
 use clap::parser::ValueSource;
@@ -149,6 +149,16 @@ const FLAGS: &[Flag] = &[
         ..FLAG
     },
     Flag {
+        name: "airframe",
+        key: "airframe",
+        kind: Kind::Text,
+        value: "NAME|FILE",
+        help: "What the vehicles fly like: plane (the stock plane of the simulated autopilot), paper (5 to 15 m/s), or a file \
+               with a table [airframe]. Default: paper with a scenario, in lockstep and for the paper's five; plane otherwise",
+        commands: &[VEHICLES],
+        ..FLAG
+    },
+    Flag {
         name: "defaults",
         key: "parameters.files",
         kind: Kind::Files,
@@ -243,6 +253,40 @@ const FLAGS: &[Flag] = &[
         ..FLAG
     },
     Flag {
+        name: "ports",
+        key: "link.ports",
+        kind: Kind::Choice(port_names),
+        value: "LAYOUT",
+        help: "Ports that the vehicles have: columba (UDP 14600 and up), ardupilot (TCP 5760 + 10 i, telemetry to UDP 14550 + \
+               10 i), px4 (UDP 14580 + i to 14540 + i, and 18570 + i to 14550)",
+        commands: &[VEHICLES],
+        ..FLAG
+    },
+    Flag {
+        name: "instance",
+        key: "link.instance",
+        help: "With an autopilot's ports, the instance i of the first vehicle, as ArduPilot's -I and PX4's -i. Default: 0",
+        commands: &[VEHICLES],
+        ..FLAG
+    },
+    Flag {
+        name: "multicast",
+        key: "link.multicast",
+        kind: Kind::Switch,
+        help: "Vehicles are members of the multicast group 239.255.145.50:14550 too, as with ArduPilot's and pymavlink's mcast:",
+        commands: &[VEHICLES],
+        conflicts: &["lockstep"],
+        ..FLAG
+    },
+    Flag {
+        name: "patience",
+        key: "ground.patience_s",
+        value: "S",
+        help: "Seconds to wait before the flight for vehicles without telemetry. Default: 15, in lockstep 20",
+        commands: &[RUN],
+        ..FLAG
+    },
+    Flag {
         name: "loss",
         key: "link.loss",
         value: "SHARE",
@@ -253,7 +297,7 @@ const FLAGS: &[Flag] = &[
 ];
 
 /// What help calls the flags of this file.
-const HEADING: &str = "Settings of the scenario (each overrides the file)";
+const HEADING: &str = "Scenario settings (override the file)";
 
 fn preset_names() -> Vec<PossibleValue> {
     names::<Preset>()
@@ -271,17 +315,21 @@ fn personality_names() -> Vec<PossibleValue> {
     Personality::ALL.into_iter().map(|personality| PossibleValue::new(personality.name())).collect()
 }
 
+fn port_names() -> Vec<PossibleValue> {
+    names::<PortsKey>()
+}
+
 fn names<T: ValueEnum>() -> Vec<PossibleValue> {
     T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect()
 }
 
 /// The program's command line with these flags, and `--set`, in every subcommand that has them.
 pub fn add_to(command: Command) -> Command {
-    [RUN, FLY, VEHICLES, COMPARE].into_iter().fold(command, |command, name| {
-        command.mut_subcommand(name, |subcommand| {
-            let flags = FLAGS.iter().filter(|flag| flag.commands.contains(&name));
-            subcommand.args(flags.map(Flag::arg)).arg(set())
-        })
+    command.mut_subcommands(|subcommand| {
+        let name = subcommand.get_name().to_owned();
+        let flags: Vec<Arg> =
+            FLAGS.iter().filter(|flag| flag.commands.contains(&name.as_str())).map(Flag::arg).collect();
+        if flags.is_empty() { subcommand } else { subcommand.args(flags).arg(set()) }
     })
 }
 

@@ -6,6 +6,7 @@
 //! which key, `contender.rs` reads those of a comparison. `source.rs`, `locate.rs`, `fault.rs` and `diagnostics.rs` say
 //! what is wrong, and where.
 
+mod airframe;
 mod check;
 mod contender;
 mod diagnostics;
@@ -22,7 +23,9 @@ mod scenario;
 mod source;
 mod swarm;
 
+pub use airframe::PLANE;
 pub use contender::{Contender, Entry, read_contenders, refuse_reserved};
+pub use diagnostics::nearest;
 pub use file::{Pattern, Preset, SetpointDialect};
 pub use layer::Layer;
 pub use provenance::Provenance;
@@ -48,6 +51,11 @@ pub const PAPER_NAME: &str = "config/paper.toml (built in)";
 /// One [`ConfigError`] that names every fault by file, line, key, value and what would be right, or by its layer.
 pub fn load(path: Option<&Path>, over: &[Layer]) -> Result<Scenario, ConfigError> {
     parse(&source_of(path)?, over)
+}
+
+/// What the topmost of some layers has for a key, as it is written.
+pub fn written(layers: &[Layer], key: &str) -> Option<String> {
+    layers.iter().rev().find_map(|layer| layer.find(key).filter(|found| found.is_there)?.value)
 }
 
 /// What a file that is to be checked is.
@@ -113,6 +121,9 @@ fn read(provenance: &Provenance, faults: &mut Faults) -> Option<ScenarioFile> {
     read_swarm(&mut file, provenance, faults);
     if let Err(error) = file.parameters.read(&provenance.paths("parameters", "files")) {
         faults.add_placed([(0, error)]);
+    }
+    if let Some(Err(message)) = provenance.airframe(&file) {
+        faults.add_placed([(0, message)]);
     }
     check::tables(&file, faults);
     Some(file)

@@ -3,15 +3,19 @@
 //! From the lowest to the topmost: a preset, the scenario file, and what is laid over that, in order. A setting has the
 //! value of the topmost layer that has it; a key that no layer has is a default.
 
+use super::airframe::{self, AirframeKey};
 use super::diagnostics;
 use super::fault::{Fault, Faults, Subject};
-use super::file::Preset;
+use super::file::{Preset, ScenarioFile};
 use super::flags;
 use super::layer::{self, Found, Layer, Origin};
 use super::locate::{key_at, locate, misplaced_array, quote};
 use super::source::ConfigError;
+use crate::counted::counted;
 use controller::ControllerSettings;
+use flight_model::Airframe;
 use serde::de::DeserializeOwned;
+use sim_vehicle::Personality;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,13 +44,52 @@ impl Provenance {
     pub(super) fn new(name: &str, file: Layer, over: &[&Layer], has_gaps: bool) -> Self {
         let layers: Vec<Layer> = std::iter::once(&file).chain(over.iter().copied()).cloned().collect();
         let provenance = Self { layers: layers.into(), file: 0, name: name.into(), has_gaps };
-        match provenance.preset() {
-            Some(preset) => {
-                let layers = std::iter::once(preset).chain(provenance.layers.iter().cloned()).collect();
-                Self { layers, file: 1, ..provenance }
-            }
-            None => provenance,
+        let flown = provenance.airframe_of_its_own();
+        let layer = |toml: &str| Layer::of_preset(&format!("airframe {}", flown.as_ref()?.0), toml).ok();
+        let base = flown.as_ref().and_then(|(_, airframe)| layer(&airframe::toml(airframe)));
+        // The paper's speed is no other airframe's.
+        let speed = flown
+            .as_ref()
+            .filter(|_| name == super::PAPER_NAME)
+            .and_then(|(_, airframe)| layer(&format!("flock.expected_speed_mps = {:?}", airframe.cruise_speed_mps)));
+        let below: Vec<Layer> = provenance.preset().into_iter().chain(base).collect();
+        let file = below.len();
+        let (own, over) = provenance.layers.split_at(1);
+        let layers = below.into_iter().chain(own.iter().cloned()).chain(speed).chain(over.iter().cloned()).collect();
+        Self { layers, file, ..provenance }
+    }
+
+    /// The airframe that a scenario names, if it does, or what is wrong with it.
+    pub(super) fn airframe(&self, file: &ScenarioFile) -> Option<Result<Airframe, String>> {
+        let folder = self.folder("airframe");
+        let airframe = file.airframe.as_ref()?.resolve(&folder, file.autopilot.personality);
+        Some(airframe.map_err(|wrong| match self.find("airframe") {
+            Some((_, found)) => format!("{}: {wrong}", found.place),
+            None => wrong,
+        }))
+    }
+
+    /// The airframe that the topmost layer with one names, and how messages call it; none for the paper's and for what is
+    /// none.
+    fn airframe_of_its_own(&self) -> Option<(String, Airframe)> {
+        /// All that an airframe depends on.
+        #[derive(serde::Deserialize)]
+        struct Keys {
+            airframe: AirframeKey,
+            #[serde(default)]
+            autopilot: Autopilot,
         }
+        #[derive(Default, serde::Deserialize)]
+        struct Autopilot {
+            #[serde(default)]
+            personality: Personality,
+        }
+        let Keys { airframe, autopilot } = toml_edit::de::from_document(self.merged()).ok()?;
+        if airframe.is_paper() {
+            return None;
+        }
+        let flown = airframe.resolve(&self.folder("airframe"), autopilot.personality).ok()?;
+        Some((airframe.name().to_owned(), flown))
     }
 
     /// The layer of the preset that the topmost layer with one names; none for the defaults and for names that are none.
@@ -163,7 +206,7 @@ impl Provenance {
         error.lines.truncate(FAULTS_SHOWN_MAX);
         let more = faults.len().saturating_sub(FAULTS_SHOWN_MAX);
         if more > 0 {
-            error.lines.push(format!("{}: and {more} faults more", self.name));
+            error.lines.push(format!("{}: and {} more", self.name, counted(more, "fault")));
         }
         Err(error)
     }

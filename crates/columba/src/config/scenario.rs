@@ -2,11 +2,12 @@
 
 use super::file::{AutopilotTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
+use crate::flying::GroundSettings;
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Geodetic, LocalFrame, State};
-use mavlink_bridge::ImpairmentSettings;
+use mavlink_bridge::{ImpairmentSettings, MulticastScope};
 use optimizer::OptimizerSettings;
-use sim_vehicle::ParameterFile;
+use sim_vehicle::{ParameterFile, PortLayout};
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -43,12 +44,16 @@ pub struct Scenario {
     pub optimizer: OptimizerSettings,
     /// What vehicles do beside flying.
     pub autopilot: AutopilotTable,
+    /// Parameter files widen the limits of the dynamics: they are of the vehicle that is to be flown, and not the paper's.
+    pub files_shape_limits: bool,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,
     /// Parameter files, which these override.
     pub parameter_files: ParameterFile,
     /// The link.
     pub link: Link,
+    /// How the ground station waits for vehicles.
+    pub ground: GroundSettings,
     /// The run's folder.
     pub folder: PathBuf,
     /// Where the settings came from, for what proves wrong only when it is tried.
@@ -71,6 +76,10 @@ pub struct Link {
     pub vehicles_per_port: usize,
     /// Controller's port; 0: any free one. Each further network of vehicles has the next.
     pub ground_port: Option<u16>,
+    /// Which ports vehicles have.
+    pub layout: PortLayout,
+    /// Whether they are members of a multicast group too.
+    pub multicast: Option<MulticastScope>,
     /// How setpoints are written in real time.
     pub setpoints: SetpointDialect,
     /// The same each way.
@@ -111,6 +120,7 @@ impl Scenario {
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
+            files_shape_limits: file.airframe.as_ref().is_some_and(|airframe| !airframe.is_paper()),
             parameter_files: file.parameters.read,
             parameters: file.parameters.values.into_iter().map(|(name, value)| (name, value as f32)).collect(),
             link: Link {
@@ -118,9 +128,12 @@ impl Scenario {
                 vehicle_port: file.link.vehicle_port,
                 vehicles_per_port: file.link.vehicles_per_port,
                 ground_port: file.link.ground_port,
+                layout: file.link.layout(),
+                multicast: file.link.multicast(),
                 setpoints: file.link.setpoints,
                 impairment: file.link.impairment(),
             },
+            ground: file.ground,
             folder: folder.unwrap_or_else(|| default_folder(&file.scenario.name)),
             provenance,
             name: file.scenario.name,
@@ -156,13 +169,15 @@ fn starts(file: &ScenarioFile, expected: &Expected) -> Vec<State> {
         course_rad: flight_model::wrap_pi(course_deg.to_radians()),
         climb_mps: 0.0,
     };
+    // An airframe of its own starts as it cruises.
+    let cruise_speed_mps = file.airframe.as_ref().and(file.autopilot.cruise_speed_mps);
     match &file.vehicles {
         Some(pattern) => {
             let like = state(
                 0.0,
                 0.0,
                 pattern.altitude_m.unwrap_or(expected.altitude_m),
-                pattern.speed_mps.unwrap_or(expected.speed_mps),
+                pattern.speed_mps.or(cruise_speed_mps).unwrap_or(expected.speed_mps),
                 pattern.course_deg.unwrap_or(expected.course_rad.to_degrees()),
             );
             patterns::starts(pattern, &like, file.scenario.seed)

@@ -1,13 +1,16 @@
 //! The ground station: one socket, the fleet it hears, and the log of both.
 
-use super::{Log, vehicles::system_id};
+use super::Log;
+use super::vehicles::{reachable, system_id};
 use crate::config::Scenario;
+use flight_model::{RangeError, Ranges};
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::telemetry::ground_heartbeat;
 use mavlink_bridge::{
     Counters, Encoder, Fleet, FleetEvent, Identity, LinkError, LinkSettings, Order, SequenceTracker, Target, UdpLink,
     messages,
 };
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -27,8 +30,10 @@ pub enum FlightError {
     #[error(transparent)]
     Link(#[from] LinkError),
     /// Vehicles without telemetry.
-    #[error("no telemetry from {} for {} s", name(.missing), .waited.as_secs())]
+    #[error("no telemetry on {address} for {} s from {}", .waited.as_secs_f64(), name(.missing))]
     Silent {
+        /// Where it should have come.
+        address: SocketAddr,
         /// Their indices.
         missing: Vec<usize>,
         /// For how long.
@@ -57,8 +62,43 @@ pub enum FlightError {
     Interrupted,
 }
 
+/// `[ground]`: how the ground station waits for vehicles.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GroundSettings {
+    /// In real time, a vehicle in flight that is silent for this long is warned of, and carried forward no further, s.
+    pub silence_s: f64,
+    /// Vehicles without a position, or that refuse a command, are given up after this before the flight, s; none: 15 in real
+    /// time, 20 in lockstep.
+    pub patience_s: Option<f64>,
+}
+
+impl Default for GroundSettings {
+    fn default() -> Self {
+        Self { silence_s: 3.0, patience_s: None }
+    }
+}
+
+impl GroundSettings {
+    /// Every setting that is out of its range.
+    pub fn check(&self) -> Vec<RangeError> {
+        let mut ranges = Ranges::default();
+        ranges.within("silence_s", self.silence_s, 0.1, 3600.0);
+        if let Some(patience_s) = self.patience_s {
+            ranges.within("patience_s", patience_s, 0.1, 86_400.0);
+        }
+        ranges.errors()
+    }
+
+    /// Silence that is worth a warning.
+    pub fn silence(&self) -> Duration {
+        Duration::from_secs_f64(self.silence_s)
+    }
+}
+
 /// The ground's end of the link.
 pub struct GroundStation {
+    settings: GroundSettings,
     link: UdpLink,
     encoder: Encoder,
     fleet: Fleet,
@@ -77,8 +117,13 @@ impl GroundStation {
         let impairment = scenario.link.impairment;
         let settings =
             LinkSettings { inbound: impairment, outbound: impairment, seed: scenario.seed, ..LinkSettings::default() };
+        let link = UdpLink::bind(address, settings)?;
+        if let Ok(address) = link.local_addr() {
+            tracing::debug!(%address, ?impairment, "ground station bound");
+        }
         Ok(Self {
-            link: UdpLink::bind(address, settings)?,
+            settings: scenario.ground,
+            link,
             encoder: Encoder::new(GROUND.0, GROUND.1),
             fleet: Fleet::new([]),
             log: Log::default(),
@@ -94,13 +139,18 @@ impl GroundStation {
     pub fn expect(&mut self, vehicles: usize, addresses: Option<&[SocketAddr]>) {
         self.fleet = Fleet::new((0..vehicles).map(|index| Identity {
             system_id: system_id(index),
-            address: addresses.and_then(|addresses| addresses.get(index).copied()),
+            address: addresses.and_then(|addresses| addresses.get(index).copied()).map(reachable),
         }));
     }
 
-    /// Where vehicles find the ground, with the port that was really bound.
+    /// Where vehicles on this machine find the ground, with the port that was really bound.
     pub fn address(&self) -> Result<SocketAddr, LinkError> {
-        self.link.local_addr()
+        self.link.local_addr().map(reachable)
+    }
+
+    /// How it waits for vehicles.
+    pub fn settings(&self) -> &GroundSettings {
+        &self.settings
     }
 
     /// What was heard of every vehicle.
@@ -162,8 +212,9 @@ impl GroundStation {
     /// Waits until every vehicle has said where it is, then sees to it that all are armed and in GUIDED.
     ///
     /// # Errors
-    /// A vehicle is silent or refuses a command for longer than `patience`.
+    /// A vehicle is silent or refuses a command for longer than `patience`, or what the settings say instead.
     pub async fn make_ready(&mut self, patience: Duration, at_us: u64) -> Result<(), FlightError> {
+        let patience = self.settings.patience_s.map_or(patience, Duration::from_secs_f64);
         self.muster(patience, at_us).await?;
         self.engage(patience, at_us).await
     }
@@ -195,7 +246,7 @@ impl GroundStation {
                     self.send(vehicle, &[ground_heartbeat()], at_us).await;
                 },
                 () = tokio::time::sleep_until(deadline) => {
-                    return Err(FlightError::Silent { missing: silent(self), waited: patience });
+                    return Err(FlightError::Silent { address: self.address()?, missing: silent(self), waited: patience });
                 }
             }
         }

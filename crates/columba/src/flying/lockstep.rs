@@ -48,7 +48,7 @@ impl Lockstep {
                 received = self.ground.recv(at_us(time), &mut news) => received?,
                 () = tokio::time::sleep_until(deadline) => {
                     let missing = (0..behind.len()).filter(|&vehicle| behind[vehicle]).collect();
-                    return Err(FlightError::Silent { missing, waited: PATIENCE });
+                    return Err(FlightError::Silent { address: self.ground.address()?, missing, waited: PATIENCE });
                 }
             }
             // A datagram brings the positions of the way too: only its last one tells where the vehicle waits.

@@ -11,7 +11,7 @@ mod recorder;
 mod vehicles;
 mod world;
 
-pub use ground_station::{FlightError, GroundStation};
+pub use ground_station::{FlightError, GroundSettings, GroundStation};
 pub use ground_truth::GroundTruth;
 pub use lockstep::Lockstep;
 pub use log::Log;
@@ -19,7 +19,9 @@ pub use memory::{Memory, fly_in_memory};
 pub use progress::{Progress, progress_over};
 pub use real_time::RealTime;
 pub use recorder::{Ended, Recorder, field, name_of, settings};
-pub use vehicles::{LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, vehicle_settings};
+pub use vehicles::{
+    LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, reachable, sockets, vehicle_settings,
+};
 pub use world::{Interval, World, fly};
 
 /// Lets go of a flight: holds true once someone asks it to end.

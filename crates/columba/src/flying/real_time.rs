@@ -16,8 +16,6 @@ use tokio::time::Instant;
 
 /// Vehicles whose position stays unknown for this long before the flight are given up.
 const MUSTER_PATIENCE: Duration = Duration::from_secs(15);
-/// A vehicle in flight that is silent for this long is worth a warning.
-const SILENCE: Duration = Duration::from_secs(3);
 /// Bank is left to the autopilot's own limit: ArduPlane takes the lateral acceleration's limit in m/s2 with each heading.
 const LATERAL_ACCELERATION_MPS2: f64 = 50.0;
 
@@ -86,11 +84,11 @@ impl RealTime {
 
     /// Warns of vehicles that have become silent.
     fn watch_silence(&mut self) {
-        let now = self.ground.now();
+        let (now, silence) = (self.ground.now(), self.ground.settings().silence());
         for (vehicle, (craft, warned)) in self.ground.fleet().vehicles().iter().zip(&mut self.silent).enumerate() {
-            let silent = craft.last_heard.is_none_or(|heard| now.saturating_sub(heard) > SILENCE);
+            let silent = craft.last_heard.is_none_or(|heard| now.saturating_sub(heard) > silence);
             if silent && !*warned {
-                tracing::warn!(vehicle = vehicle + 1, "no telemetry for {} s", SILENCE.as_secs());
+                tracing::warn!(vehicle = vehicle + 1, "no telemetry for {} s", silence.as_secs_f64());
             }
             *warned = silent;
         }
@@ -98,10 +96,10 @@ impl RealTime {
 
     /// Takes over where all vehicles are at this moment.
     fn see(&mut self) {
-        let now = self.ground.now();
+        let (now, silence) = (self.ground.now(), self.ground.settings().silence());
         for (state, craft) in self.states.iter_mut().zip(self.ground.fleet().vehicles()) {
             if let Some(position) = craft.position {
-                *state = carry_forward(&position, now, self.speed);
+                *state = carry_forward(&position, now.saturating_sub(position.heard).min(silence), self.speed);
             }
         }
     }
@@ -157,9 +155,9 @@ impl World for RealTime {
     }
 }
 
-/// A position that was heard a while ago, moved on at its velocity.
-fn carry_forward(position: &Position, now: Duration, speed: f64) -> State {
-    let age_s = now.saturating_sub(position.heard).min(SILENCE).as_secs_f64() * speed;
+/// A position that was heard `age` ago, moved on at its velocity.
+fn carry_forward(position: &Position, age: Duration, speed: f64) -> State {
+    let age_s = age.as_secs_f64() * speed;
     let state = position.state;
     let position_m = state.position_m() + state.velocity_mps() * age_s;
     State { x_m: position_m.x, y_m: position_m.y, altitude_m: state.altitude_m + state.climb_mps * age_s, ..state }

@@ -3,9 +3,9 @@
 use crate::config::Scenario;
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{
-    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, VehicleSettings, port_index,
+    Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, PortLayout, VehicleSettings, port_index,
 };
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::{Duration, SystemTime};
 
 /// Time zero of a flight in simulated time, in microseconds since the Unix epoch: 2026-01-01, so that a flight's log is
@@ -22,10 +22,31 @@ pub fn network(index: usize) -> usize {
     index / NETWORK_VEHICLES_MAX + 1
 }
 
+/// The address at which a client on this machine finds a socket that is bound to `address`: that of all interfaces is none
+/// to send to.
+pub fn reachable(address: SocketAddr) -> SocketAddr {
+    let host = match address.ip() {
+        IpAddr::V4(host) if host.is_unspecified() => IpAddr::V4(Ipv4Addr::LOCALHOST),
+        IpAddr::V6(host) if host.is_unspecified() => IpAddr::V6(Ipv6Addr::LOCALHOST),
+        host => host,
+    };
+    SocketAddr::new(host, address.port())
+}
+
 /// How many UDP ports the vehicles of a scenario have.
 pub fn ports(scenario: &Scenario) -> usize {
     let last = scenario.starts.len().checked_sub(1);
     last.map_or(0, |last| port_index(last, scenario.link.vehicles_per_port) + 1)
+}
+
+/// How many sockets the vehicles of a scenario open, without those of TCP clients.
+pub fn sockets(scenario: &Scenario) -> usize {
+    let multicast = if scenario.link.multicast.is_some() { 2 } else { 0 };
+    match scenario.link.layout {
+        PortLayout::Columba => ports(scenario) * (1 + multicast),
+        PortLayout::ArduPilot { .. } => scenario.starts.len() * (4 + multicast),
+        PortLayout::Px4 { .. } => scenario.starts.len() * (2 + multicast),
+    }
 }
 
 /// Settings of every vehicle of the scenario; telemetry goes to `ground` unasked.
@@ -49,6 +70,8 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         rates: autopilot.rates(),
         setpoint_timeout_s: autopilot.setpoint_timeout_s,
         loiter_radius_m: autopilot.loiter_radius_m,
+        cruise_speed_mps: autopilot.cruise_speed_mps,
+        files_shape_limits: scenario.files_shape_limits,
         clock_epoch_us,
         ground,
         parameter_files: parameter_files.clone(),
@@ -89,5 +112,22 @@ pub fn unix_us() -> u64 {
 /// The host of a scenario's vehicles.
 pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: LinkSettings) -> HostSettings {
     let vehicles_per_port = scenario.link.vehicles_per_port;
-    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port, clock, link, state_folder: None }
+    HostSettings { bind: scenario.link.host, base_port, vehicles_per_port, clock, link, ..HostSettings::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_socket_on_all_interfaces_is_found_on_loopback() {
+        for (bound, found) in [
+            ("0.0.0.0:14600", "127.0.0.1:14600"),
+            ("[::]:14600", "[::1]:14600"),
+            ("127.0.0.1:5", "127.0.0.1:5"),
+            ("192.0.2.1:5", "192.0.2.1:5"),
+        ] {
+            assert_eq!(reachable(bound.parse().unwrap()), found.parse().unwrap());
+        }
+    }
 }

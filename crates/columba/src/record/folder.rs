@@ -42,7 +42,11 @@ impl RunFolder {
         let probe = path.join(format!(".writable.{}.tmp", std::process::id()));
         fs::create_dir_all(&path)
             .and_then(|()| fs::write(&probe, b""))
-            .and_then(|()| fs::remove_file(&probe))
+            .and_then(|()| match fs::remove_file(&probe) {
+                // Another thread of this program tried the same and was faster.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+                removed => removed,
+            })
             .map_err(|source| RecordError::Folder { path: path.clone(), source })?;
         Ok(Self { path, kept: None, _lock: None })
     }
@@ -82,15 +86,17 @@ impl RunFolder {
         if path.is_dir() && holds_something(path) {
             return Ok(None);
         }
-        let folder = Self::create(path)?;
+        fs::create_dir_all(path).map_err(|source| RecordError::Folder { path: path.to_owned(), source })?;
         // Where folders cannot be opened or locked, nothing keeps two runs apart that start at the same moment.
-        let Ok(lock) = File::open(path) else { return Ok(Some(folder)) };
-        match lock.try_lock() {
-            Err(TryLockError::WouldBlock) => return Ok(None),
-            Ok(()) | Err(TryLockError::Error(_)) => {}
+        let lock = File::open(path).ok();
+        if lock.as_ref().is_some_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock))) {
+            return Ok(None);
         }
         // Looked at again: another run may have ended since.
-        Ok((!holds_something(path)).then_some(Self { _lock: Some(Arc::new(lock)), ..folder }))
+        if holds_something(path) {
+            return Ok(None);
+        }
+        Ok(Some(Self { _lock: lock.map(Arc::new), ..Self::create(path)? }))
     }
 
     /// The folder that was asked for, where it was occupied and this is another one.

@@ -3,8 +3,8 @@
 use super::{
     Figure,
     data::replay_json,
+    key_figures::{Ending, headline, key_figures, link_figures},
     svg::escape,
-    words::{Ending, headline, key_figures, link_figures},
 };
 use crate::flight::Flight;
 

@@ -4,17 +4,17 @@ pub(crate) mod chart;
 mod data;
 pub mod figures;
 mod html;
+mod key_figures;
 mod png;
 #[cfg(test)]
 pub(crate) mod sample;
 pub(crate) mod svg;
-mod words;
 
 pub use figures::Figure;
 pub(crate) use html::{CSS, fill};
+pub(crate) use key_figures::headline;
 pub use png::{PngError, to_png};
 pub(crate) use svg::escape;
-pub(crate) use words::headline;
 
 use crate::{
     flight::Flight,

@@ -137,6 +137,12 @@ impl Autopilot {
         self.session.fence.reconfigure(Parameter::FenceEnable, &self.parameters);
     }
 
+    /// The same aircraft anew, as of a vehicle time: for a reset, over which time goes on.
+    pub fn go_on_at(&mut self, time: Duration, counters: VehicleCounters) {
+        self.time = time;
+        self.counters = counters;
+    }
+
     // What it is and how it stands.
 
     pub fn rules(&self) -> &'static Rules {
@@ -358,13 +364,18 @@ impl Autopilot {
 
     /// Takes a value of a parameter, and does what it means to the flight.
     pub fn set_parameter(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterError> {
+        // Simulated time is its controller's.
+        if parameter == Parameter::Speedup && self.is_in_lockstep {
+            return Err(ParameterError::ReadOnly(self.parameters.name(parameter).into()));
+        }
         self.parameters.set(parameter, value)?;
         match parameter.row().effect {
             Effect::Tuning => self.flight.retune(Tuning::of(&self.parameters, self.loiter_radius_m)),
             Effect::Battery => self.world.replace_battery(),
             Effect::Fence => self.session.fence.reconfigure(parameter, &self.parameters),
             Effect::SetpointTimeout => self.restart_setpoint_timeout(),
-            Effect::SystemId | Effect::Rates(_) | Effect::RadioLoss | Effect::LookedUp | Effect::ReadOnly => {}
+            Effect::SystemId | Effect::Rates(_) | Effect::RadioLoss | Effect::Speedup => {}
+            Effect::LookedUp | Effect::ReadOnly => {}
         }
         Ok(())
     }

@@ -5,8 +5,9 @@ use crate::protocol::mission::file::PlanFileError;
 use crate::settings::{LockstepSettings, SettingsError};
 use flight_model::State;
 use mavlink_bridge::LinkError;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::io;
+use std::net::SocketAddr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Most vehicles of one MAVLink network: system ids from 1 to 250, of which the rest is left to ground stations.
@@ -63,9 +64,19 @@ pub struct Advance<'a> {
 /// The time that all vehicles of a host share in real time. Where the machine does not keep up it slips, so that they
 /// fall behind the clock together instead of flying in ever longer strides.
 #[derive(Debug)]
-pub(crate) struct RealTime {
+pub(crate) struct RealTime(Mutex<Rate>);
+
+/// The rate at which vehicle time goes on, and since when.
+#[derive(Clone, Copy, Debug)]
+struct Rate {
     speed: f64,
-    slipped_ns: AtomicU64,
+    /// Host time at which this rate began.
+    since: Duration,
+    /// Vehicle time at which it began, and the one at which it would have begun if nothing had ever slipped.
+    vehicle: Duration,
+    asked: Duration,
+    /// How far vehicle time has fallen behind since then, in time of the wall clock.
+    slipped: Duration,
 }
 
 /// The longest stretch of the wall clock that is made up for.
@@ -73,30 +84,59 @@ pub(crate) const STRIDE_MAX: Duration = Duration::from_millis(250);
 
 impl RealTime {
     pub fn new(speed: f64) -> Self {
-        Self { speed, slipped_ns: AtomicU64::new(0) }
+        let zero = Duration::ZERO;
+        Self(Mutex::new(Rate { speed, since: zero, vehicle: zero, asked: zero, slipped: zero }))
     }
 
     /// Vehicle time to which a vehicle at vehicle time `from` may fly at host time `now`.
     pub fn until(&self, now: Duration, from: Duration) -> Duration {
-        let until = now.saturating_sub(self.slipped()).mul_f64(self.speed);
-        let furthest = from + STRIDE_MAX.mul_f64(self.speed);
+        let mut rate = self.rate();
+        let until = rate.vehicle_time(now);
+        let furthest = from + STRIDE_MAX.mul_f64(rate.speed);
         if until <= furthest {
             return until;
         }
-        let late = (until - furthest).div_f64(self.speed);
-        self.slipped_ns.fetch_add(u64::try_from(late.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+        let late = (until - furthest).div_f64(rate.speed);
+        rate.slipped += late;
         furthest
     }
 
-    /// How far vehicle time has fallen behind, in time of the wall clock.
-    pub fn slipped(&self) -> Duration {
-        Duration::from_nanos(self.slipped_ns.load(Ordering::Relaxed))
+    /// Vehicle seconds for each second of the wall clock, now.
+    pub fn speed(&self) -> f64 {
+        self.rate().speed
     }
 
-    /// Vehicle seconds for each second of the wall clock up to host time `now`.
-    pub fn reached(&self, now: Duration) -> f64 {
-        let (now_s, slipped_s) = (now.as_secs_f64(), self.slipped().as_secs_f64());
-        if now_s > 0.0 { self.speed * (1.0 - slipped_s / now_s).max(0.0) } else { self.speed }
+    /// From host time `now` on, vehicle time goes on at another rate.
+    pub fn set_speed(&self, now: Duration, speed: f64) {
+        let mut rate = self.rate();
+        let (vehicle, asked) = (rate.vehicle_time(now), rate.asked_time(now));
+        *rate = Rate { speed, since: now, vehicle, asked, slipped: Duration::ZERO };
+    }
+
+    /// Vehicle seconds for each second of the wall clock up to host time `now`: those that were reached, and those that were
+    /// asked for.
+    pub fn reached_and_asked(&self, now: Duration) -> (f64, f64) {
+        let rate = self.rate();
+        if now.is_zero() {
+            return (rate.speed, rate.speed);
+        }
+        let per_second = |time: Duration| time.as_secs_f64() / now.as_secs_f64();
+        (per_second(rate.vehicle_time(now)), per_second(rate.asked_time(now)))
+    }
+
+    fn rate(&self) -> MutexGuard<'_, Rate> {
+        // A vehicle that panicked while it held the lock leaves whole times behind.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Rate {
+    fn vehicle_time(&self, now: Duration) -> Duration {
+        self.vehicle + now.saturating_sub(self.since).saturating_sub(self.slipped).mul_f64(self.speed)
+    }
+
+    fn asked_time(&self, now: Duration) -> Duration {
+        self.asked + now.saturating_sub(self.since).mul_f64(self.speed)
     }
 }
 
@@ -131,6 +171,22 @@ pub enum HostError {
         /// How many are needed.
         count: usize,
     },
+    /// A TCP port cannot be bound.
+    #[error("cannot bind TCP {address}: {}", bind_reason(.source))]
+    Tcp {
+        /// The address.
+        address: SocketAddr,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// An autopilot's port layout has no ports for so many.
+    #[error("{vehicles} vehicles: the ports of this layout are enough for {most}")]
+    Layout {
+        /// How many vehicles there are.
+        vehicles: usize,
+        /// How many can be.
+        most: usize,
+    },
     /// Two vehicles on one port have the same system id.
     #[error(
         "vehicles {} and {} share a port and have the same MAV_SYSID, {system_id}: must differ",
@@ -157,6 +213,13 @@ pub enum HostError {
     },
 }
 
+fn bind_reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::AddrInUse => "the port is busy".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,11 +236,26 @@ mod tests {
     fn a_host_that_is_late_lets_time_slip_once_for_all() {
         let time = RealTime::new(10.0);
         let [soon, late] = [100, 2000].map(Duration::from_millis);
-        assert_eq!((time.until(soon, Duration::ZERO), time.reached(soon)), (Duration::from_secs(1), 10.0));
+        assert_eq!(
+            (time.until(soon, Duration::ZERO), time.reached_and_asked(soon)),
+            (Duration::from_secs(1), (10.0, 10.0))
+        );
         for _ in 0..3 {
             assert_eq!(time.until(late, Duration::from_secs(1)), Duration::from_millis(3500));
         }
-        assert_eq!(time.slipped(), Duration::from_millis(1650));
-        assert!((time.reached(late) - 1.75).abs() < 1e-9);
+        assert_eq!(time.rate().slipped, Duration::from_millis(1650));
+        assert!((time.reached_and_asked(late).0 - 1.75).abs() < 1e-9);
+    }
+
+    #[test]
+    fn another_speed_goes_on_from_where_time_is() {
+        let time = RealTime::new(1.0);
+        let at = |seconds: u64| Duration::from_secs(seconds);
+        time.set_speed(at(2), 5.0);
+        assert_eq!(time.until(at(3), at(6)), at(7));
+        time.set_speed(at(4), 0.5);
+        assert_eq!((time.until(at(6), at(13)), time.speed()), (at(13), 0.5));
+        let (reached, asked) = time.reached_and_asked(at(6));
+        assert!((reached - 13.0 / 6.0).abs() < 1e-9 && (asked - reached).abs() < 1e-9);
     }
 }

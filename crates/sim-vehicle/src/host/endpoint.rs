@@ -2,12 +2,13 @@
 
 use crate::counters::VehicleCounters;
 use crate::host::clock::{Advance, Clock, HostError, Observer, RealTime};
+use crate::host::lines::{Arrival, Lines};
 use crate::host::system_ids::SystemIds;
 use crate::parameters::file;
 use crate::protocol::mission::file as plan_file;
 use crate::vehicle::Vehicle;
 use flight_model::State;
-use mavlink_bridge::{Counters, LinkError, UdpLink, incoming};
+use mavlink_bridge::{Counters, LinkError, incoming};
 use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -17,7 +18,7 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 
 pub(crate) struct Endpoint {
-    link: UdpLink,
+    lines: Lines,
     vehicles: Vec<Vehicle>,
     /// Index of the first vehicle among all of the host's.
     first: usize,
@@ -50,7 +51,7 @@ pub(crate) async fn stopped(stop: &mut watch::Receiver<bool>) {
 const DATAGRAMS_IN_A_ROW: usize = 64;
 
 impl Endpoint {
-    pub fn new(link: UdpLink, mut vehicles: Vec<Vehicle>, first: usize) -> Result<Self, HostError> {
+    pub fn new(lines: Lines, mut vehicles: Vec<Vehicle>, first: usize) -> Result<Self, HostError> {
         let mut by_system = HashMap::new();
         for (index, vehicle) in vehicles.iter().enumerate() {
             let system_id = vehicle.settings().system_id;
@@ -62,7 +63,12 @@ impl Endpoint {
         for (place, vehicle) in vehicles.iter_mut().enumerate() {
             vehicle.parameter_service().share_port(Arc::clone(&ids), place);
         }
-        Ok(Self { link, vehicles, first, state_folder: None, frames: Counters::default(), track: Vec::new() })
+        Ok(Self { lines, vehicles, first, state_folder: None, frames: Counters::default(), track: Vec::new() })
+    }
+
+    /// All ways in and out.
+    pub fn lines(&self) -> &Lines {
+        &self.lines
     }
 
     /// The vehicles behind this port.
@@ -81,13 +87,13 @@ impl Endpoint {
             let wake = shell.started + self.next_wake(&shell.clock, shell.started.elapsed());
             tokio::select! {
                 () = stopped(&mut stop) => break,
-                from = self.link.recv(&mut datagram) => {
-                    let mut from = Some(from?);
+                arrival = self.lines.recv(&mut datagram) => {
+                    let mut arrival = Some(arrival?);
                     let mut taken = 0;
-                    while let Some(sender) = from {
-                        self.receive(&shell, &datagram, sender);
+                    while let Some(next) = arrival {
+                        self.take(&shell, next, &datagram);
                         taken += 1;
-                        from = if taken < DATAGRAMS_IN_A_ROW { self.link.try_recv(&mut datagram)? } else { None };
+                        arrival = if taken < DATAGRAMS_IN_A_ROW { self.lines.try_recv(&mut datagram)? } else { None };
                     }
                 }
                 () = tokio::time::sleep_until(wake) => {}
@@ -95,7 +101,9 @@ impl Endpoint {
             (0..self.vehicles.len()).for_each(|index| self.fly(index, &shell));
         }
         let vehicles = self.vehicles.iter().enumerate().map(|(index, v)| (self.first + index, v.counters())).collect();
-        Ok(EndpointReport { wire: self.link.counters() + self.frames, vehicles })
+        let wire = self.lines.counters() + self.frames;
+        self.lines.close().await;
+        Ok(EndpointReport { wire, vehicles })
     }
 
     /// Host time at which somebody wants attention.
@@ -110,6 +118,19 @@ impl Endpoint {
                 let earliest = self.vehicles.iter().filter_map(Vehicle::poll_timeout).min();
                 earliest.unwrap_or(now + Duration::from_secs(1)).max(now)
             }
+        }
+    }
+
+    fn take(&mut self, shell: &Shell, arrival: Arrival, datagram: &[u8]) {
+        match arrival {
+            Arrival::Datagram(from) => self.receive(shell, datagram, from),
+            Arrival::Opened(peer) => {
+                for index in 0..self.vehicles.len() {
+                    self.fly(index, shell);
+                    self.vehicles[index].connect(shell.started.elapsed(), peer);
+                }
+            }
+            Arrival::Closed(peer) => self.vehicles.iter_mut().for_each(|vehicle| vehicle.disconnect(peer)),
         }
     }
 
@@ -164,7 +185,13 @@ impl Endpoint {
         let now = shell.started.elapsed();
         vehicle.handle_timeout(now);
         let until = match shell.clock {
-            Clock::RealTime { .. } => shell.time.until(now, vehicle.time()),
+            Clock::RealTime { .. } => {
+                match vehicle.take_speedup() {
+                    Some(speedup) => shell.time.set_speed(now, speedup),
+                    None => vehicle.note_speedup(shell.time.speed()),
+                }
+                shell.time.until(now, vehicle.time())
+            }
             Clock::Lockstep(_) => match vehicle.released_until() {
                 Some(until) => until,
                 None => return,
@@ -182,7 +209,7 @@ impl Endpoint {
     async fn transmit(&mut self) {
         for vehicle in &mut self.vehicles {
             while let Some(transmit) = vehicle.poll_transmit() {
-                self.link.send_to(&transmit.datagram, transmit.to).await;
+                self.lines.send_to(&transmit.datagram, transmit.to).await;
             }
         }
     }

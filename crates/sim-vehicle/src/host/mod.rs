@@ -2,17 +2,22 @@
 
 pub(crate) mod clock;
 pub(crate) mod endpoint;
+pub(crate) mod layout;
+pub(crate) mod lines;
 pub(crate) mod system_ids;
+mod tcp;
 
 use crate::counters::VehicleCounters;
 use crate::host::clock::{Clock, HostError, NETWORK_VEHICLES_MAX, Observer, RealTime, port_index};
 use crate::host::endpoint::{Endpoint, EndpointReport, Shell, stopped};
+use crate::host::layout::PortLayout;
+use crate::host::lines::{Lines, Protocol};
 use crate::parameters::file::{self, ParameterFileError};
 use crate::protocol::mission::file as plan_file;
 use crate::protocol::parameter::Pace;
 use crate::settings::{SettingsError, VehicleSettings};
 use crate::vehicle::Vehicle;
-use mavlink_bridge::{Counters, LinkError, LinkSettings, UdpLink};
+use mavlink_bridge::{Counters, LinkError, LinkSettings, MULTICAST_GROUP, MulticastLink, MulticastScope};
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -32,6 +37,11 @@ pub struct HostSettings {
     /// Vehicles on one port, 1 to 250: the rest go to the next, as each further network of 250 does. Frames find theirs
     /// by the target system.
     pub vehicles_per_port: usize,
+    /// Which ports these are; with an autopilot's, `base_port` does not count but for 0, any free ports, and each
+    /// vehicle is alone.
+    pub layout: PortLayout,
+    /// Whether all vehicles are members of [`MULTICAST_GROUP`] too, and how far that reaches.
+    pub multicast: Option<MulticastScope>,
     /// The clock.
     pub clock: Clock,
     /// Receive buffer and impairment of every port. Each port draws its own random numbers from the seed.
@@ -47,6 +57,8 @@ impl Default for HostSettings {
             bind: IpAddr::V4(Ipv4Addr::LOCALHOST),
             base_port: 14600,
             vehicles_per_port: 1,
+            layout: PortLayout::Columba,
+            multicast: None,
             clock: Clock::WALL,
             link: LinkSettings::default(),
             state_folder: None,
@@ -64,6 +76,8 @@ pub struct HostReport {
     /// In real time, vehicle seconds for each second of the wall clock: less than was asked for where the machine did
     /// not keep up.
     pub speed_reached: Option<f64>,
+    /// In real time, what was asked for: the mean, where SIM_SPEEDUP changed it on the way.
+    pub speed_asked: Option<f64>,
 }
 
 /// Vehicles with their ports bound, ready to run.
@@ -117,6 +131,7 @@ impl Host {
                     own.kept_parameters = file::read_kept(&file::path(folder, vehicle))?;
                     own.plans = plan_file::read(folder, vehicle, own.personality)?;
                 }
+                settings.set_grounds(vehicle, &mut own);
                 let built = match settings.clock {
                     Clock::Lockstep(lockstep) => Vehicle::in_lockstep(own, lockstep),
                     Clock::RealTime { .. } => Vehicle::new(own),
@@ -136,14 +151,16 @@ impl Host {
         let mut vehicles = vehicles.into_iter().enumerate().peekable();
         // An early return drops the endpoints bound so far, and so frees their ports.
         while let Some(&(first, _)) = vehicles.peek() {
-            let port = port_index(first, settings.vehicles_per_port);
-            let is_of_port = |(vehicle, _): &(usize, Vehicle)| port_index(*vehicle, settings.vehicles_per_port) == port;
+            let port = settings.port_of(first);
+            let is_of_port = |(vehicle, _): &(usize, Vehicle)| settings.port_of(*vehicle) == port;
             let group: Vec<Vehicle> =
                 std::iter::from_fn(|| vehicles.next_if(is_of_port)).map(|(_, vehicle)| vehicle).collect();
-            let link = UdpLink::bind(settings.address(port)?, settings.link_settings(port))?;
-            let address = link.local_addr()?;
+            let ports = settings.layout.ports(settings.bind, settings.base_port, port)?;
+            let multicast = settings.multicast.map(|scope| MulticastLink::join(MULTICAST_GROUP, scope)).transpose()?;
+            let lines = Lines::open(&ports, &settings.link_settings(port), multicast)?;
+            let address = lines.local_addr()?;
             host.addresses.resize(first + group.len(), address);
-            let mut endpoint = Endpoint::new(link, group, first)?;
+            let mut endpoint = Endpoint::new(lines, group, first)?;
             endpoint.state_folder.clone_from(&settings.state_folder);
             host.endpoints.push(endpoint);
         }
@@ -153,6 +170,12 @@ impl Host {
     /// The address that each vehicle listens on, in the order in which the host was given them.
     pub fn addresses(&self) -> &[SocketAddr] {
         &self.addresses
+    }
+
+    /// Every address that each vehicle listens on, in the order in which the host was given them.
+    pub fn lines(&self) -> impl Iterator<Item = Vec<(Protocol, SocketAddr)>> {
+        let of_endpoint = |endpoint: &Endpoint| vec![endpoint.lines().addresses(); endpoint.vehicles().count()];
+        self.endpoints.iter().flat_map(of_endpoint)
     }
 
     /// The vehicles, in the order in which the host was given them.
@@ -182,7 +205,9 @@ impl Host {
                 () = stopped(&mut stop), if running => {
                     running = false;
                     let is_real_time = matches!(self.clock, Clock::RealTime { .. });
-                    report.speed_reached = is_real_time.then(|| shell.time.reached(shell.started.elapsed()));
+                    let (reached, asked) = shell.time.reached_and_asked(shell.started.elapsed());
+                    report.speed_reached = is_real_time.then_some(reached);
+                    report.speed_asked = is_real_time.then_some(asked);
                     stop_all.send_replace(true);
                 }
                 joined = tasks.join_next() => match joined {
@@ -230,18 +255,34 @@ impl HostSettings {
                 return Err(HostError::Setting { name: "tick_s", value: tick.as_secs_f64(), range: "[0.001, 1]" });
             }
         }
+        let most = if self.multicast.is_some() { NETWORK_VEHICLES_MAX } else { usize::MAX };
+        let most = most.min(self.layout.vehicles_max());
+        if vehicles > most {
+            return Err(HostError::Layout { vehicles, most });
+        }
+        if self.layout != PortLayout::Columba {
+            return Ok(());
+        }
         let count = vehicles.checked_sub(1).map_or(0, |last| port_index(last, self.vehicles_per_port) + 1);
         let beyond = self.base_port != 0 && usize::from(self.base_port) + count > 65_536;
         if beyond { Err(HostError::TooManyPorts { base_port: self.base_port, count }) } else { Ok(()) }
     }
 
-    fn address(&self, port_index: usize) -> Result<SocketAddr, HostError> {
-        let port = match self.base_port {
-            0 => Some(0),
-            base => u16::try_from(port_index).ok().and_then(|index| base.checked_add(index)),
-        };
-        let too_many = HostError::TooManyPorts { base_port: self.base_port, count: port_index + 1 };
-        port.map(|port| SocketAddr::new(self.bind, port)).ok_or(too_many)
+    fn port_of(&self, vehicle: usize) -> usize {
+        self.layout.group(vehicle, self.vehicles_per_port)
+    }
+
+    /// Where a vehicle sends telemetry unasked by the rules of the layout.
+    fn set_grounds(&self, vehicle: usize, settings: &mut VehicleSettings) {
+        // Who is to send nothing unasked does not.
+        let grounds = self.layout.grounds(self.bind, vehicle).filter(|_| settings.ground.is_some());
+        if let Some(mut grounds) = grounds.map(Vec::into_iter) {
+            settings.ground = grounds.next();
+            settings.further_grounds = grounds.collect();
+        }
+        if self.multicast.is_some() {
+            settings.further_grounds.push(SocketAddr::V4(MULTICAST_GROUP));
+        }
     }
 
     /// Ports with one seed would lose the same datagrams: an odd multiplier spreads them over all seeds.

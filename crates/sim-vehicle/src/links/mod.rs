@@ -90,7 +90,7 @@ impl Links {
             long_texts: 0,
             now: Duration::ZERO,
         };
-        if let Some(ground) = settings.ground {
+        for &ground in settings.ground.iter().chain(&settings.further_grounds) {
             links.add(ground, true, Duration::ZERO, Duration::ZERO);
         }
         links
@@ -152,6 +152,14 @@ impl Links {
         self.find_next_due();
     }
 
+    /// Every link is one of another vehicle, as it starts.
+    pub fn begin_anew(&mut self, fresh: &Self, time: Duration) {
+        self.settings.clone_from(&fresh.settings);
+        self.loss = fresh.loss;
+        self.set_system_id(fresh.settings.system_id);
+        self.restart(time);
+    }
+
     /// Every link has the default rates again.
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {
@@ -169,7 +177,7 @@ impl Links {
             let link = &mut self.links[index];
             link.heard = now;
             link.frames = link.frames.saturating_add(1);
-            if version == Version::V2 {
+            if version == Version::V2 || link.frames == 1 {
                 link.encoder.version = version;
             }
             return (index, false);
@@ -183,6 +191,20 @@ impl Links {
         let index = self.add(peer, false, now, time);
         self.links[index].encoder.version = version;
         (index, true)
+    }
+
+    /// A peer has connected, over a line that tells when it is gone again. Gives its link.
+    pub fn open(&mut self, peer: PeerId, now: Duration, time: Duration) -> usize {
+        let index = self.add(peer, true, now, time);
+        // It has said nothing yet, and so not which version it speaks.
+        self.links[index].frames = 0;
+        index
+    }
+
+    /// A peer that has connected is gone.
+    pub fn disconnect(&mut self, peer: PeerId) {
+        self.links.retain(|link| link.peer != peer);
+        self.find_next_due();
     }
 
     /// A peer fetches parameters: for a while it gets telemetry a quarter as often, as from an ArduPilot. Two hundred

@@ -1,7 +1,7 @@
 //! Whether the parameters that settings start with are the vehicle's, and in their ranges; for those who check settings
 //! before anything flies.
 
-use super::defaults::in_any_order;
+use super::defaults::{in_any_order, shape_limits};
 use super::file::Place;
 use super::{Listed, Parameters};
 use crate::error::ParameterError;
@@ -23,7 +23,9 @@ pub struct ParameterFault {
 /// What is wrong with [`VehicleSettings::parameter_files`] and [`VehicleSettings::default_parameters`]; nothing if a
 /// vehicle takes them all.
 pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
-    let mut parameters = Parameters::new(settings);
+    let mut settings = settings.clone();
+    shape_limits(&mut settings);
+    let mut parameters = Parameters::new(&settings);
     let known = parameters.adopt(&settings.parameter_files);
     let refused = in_any_order(known, |parameter, value| parameters.set(parameter, value));
     let mut faults: Vec<ParameterFault> = refused

@@ -4,6 +4,7 @@ use super::Parameters;
 use super::file::{ParameterEntry, ParameterFile};
 use super::table::Parameter;
 use crate::error::ParameterError;
+use crate::settings::VehicleSettings;
 
 impl Parameters {
     /// Makes the parameters of files that the vehicle does not know inert ones, and gives those that it knows and that
@@ -11,7 +12,8 @@ impl Parameters {
     pub fn adopt<'a>(&mut self, files: &'a ParameterFile) -> Vec<(Parameter, &'a ParameterEntry)> {
         self.inert = files.inert(self.rules, |name| self.named(name).is_some());
         let known = files.entries().iter().filter_map(|entry| Some((self.named(&entry.name)?, entry)));
-        known.filter(|(parameter, _)| !parameter.is_read_only()).collect()
+        let is_taken = |parameter: &Parameter| !parameter.is_read_only() && *parameter != Parameter::Speedup;
+        known.filter(|(parameter, _)| is_taken(parameter)).collect()
     }
 
     /// Takes a value that was set by name before the start.
@@ -19,6 +21,35 @@ impl Parameters {
         self.inert.set(index, value)
     }
 }
+
+/// Widens the limits of the flight model to what parameter files say of the vehicle, which starts at its cruise speed.
+pub(crate) fn shape_limits(settings: &mut VehicleSettings) {
+    if !settings.files_shape_limits {
+        return;
+    }
+    let parameters = Parameters::new(settings);
+    let limits = &mut settings.dynamics.limits;
+    for entry in settings.parameter_files.entries() {
+        let value = entry.value;
+        match parameters.named(&entry.name).filter(|_| value > 0.0 && value.is_finite()) {
+            Some(Parameter::AirspeedCruise) => {
+                settings.cruise_speed_mps = Some(value);
+                settings.start.speed_mps = value;
+            }
+            Some(Parameter::AirspeedMin) => limits.speed_min_mps = limits.speed_min_mps.min(value),
+            Some(Parameter::AirspeedMax) => limits.speed_max_mps = limits.speed_max_mps.max(value),
+            Some(Parameter::ClimbMax) => limits.climb_max_mps = limits.climb_max_mps.max(value),
+            Some(Parameter::SinkMax) => limits.climb_min_mps = limits.climb_min_mps.min(-value),
+            Some(Parameter::RollLimit) if value < BANK_MAX_DEG => {
+                limits.lateral_overload_max = limits.lateral_overload_max.max(libm::tan(value.to_radians()));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Steeper banks have no level turn.
+const BANK_MAX_DEG: f64 = 89.0;
 
 /// Sets parameters, the ranges of some of which depend on others, in whatever order they are given. What is not taken
 /// in the end is given back, with the reason.
@@ -46,7 +77,7 @@ pub(crate) fn in_any_order(
 mod tests {
     use super::*;
     use crate::parameters::Listed;
-    use crate::{Personality, Vehicle, VehicleSettings};
+    use crate::{Personality, Vehicle};
 
     fn files(values: &[(&str, f64)]) -> ParameterFile {
         values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()

@@ -39,6 +39,8 @@ pub(crate) struct Parameters {
     /// Behind those of the list.
     inert: Inert,
     model: ModelBounds,
+    /// Of the settings, where they have one.
+    cruise_speed_mps: Option<f64>,
 }
 
 impl Parameters {
@@ -53,6 +55,8 @@ impl Parameters {
         let model = ModelBounds {
             speed_min_mps: limits.speed_min_mps as f32,
             speed_max_mps: limits.speed_max_mps as f32,
+            climb_max_mps: limits.climb_max_mps as f32,
+            sink_max_mps: -limits.climb_min_mps as f32,
             // The bank of the flight model's tightest turn.
             roll_limit_deg: libm::atan(limits.lateral_overload_max).to_degrees() as f32,
             rate_max_hz: settings.fastest_hz().floor() as f32,
@@ -60,7 +64,7 @@ impl Parameters {
         let start = Start {
             system_id: settings.system_id,
             rates: &settings.rates,
-            cruise_mps: settings.start.speed_mps,
+            cruise_mps: settings.cruise_speed_mps.unwrap_or(settings.start.speed_mps),
             loiter_radius_m: settings.loiter_radius_m,
             setpoint_timeout_s: settings.setpoint_timeout_s,
             model: &model,
@@ -80,7 +84,13 @@ impl Parameters {
             is_default: [false; Parameter::COUNT],
             inert: Inert::default(),
             model,
+            cruise_speed_mps: settings.cruise_speed_mps,
         }
+    }
+
+    /// The airspeed of modes that need nobody, where the settings have one, m/s.
+    pub fn cruise_speed_mps(&self) -> Option<f64> {
+        self.cruise_speed_mps
     }
 
     /// How many there are.
@@ -211,7 +221,10 @@ impl Parameters {
 
     /// What has been set and is worth keeping, by name.
     pub fn kept(&self) -> impl Iterator<Item = (&str, f64)> {
-        let is_kept = |parameter: Parameter| self.is_set[parameter as usize] && !self.is_default[parameter as usize];
+        // The clock is the host's, and runs as it is told at each start.
+        let is_kept = |parameter: Parameter| {
+            self.is_set[parameter as usize] && !self.is_default[parameter as usize] && parameter != Parameter::Speedup
+        };
         let kept = Parameter::ALL.iter().copied().filter(move |parameter| is_kept(*parameter));
         let inert = self.inert.iter().filter(|own| own.is_set()).map(|own| (own.name(), own.value()));
         kept.map(|parameter| (self.name(parameter), f64::from(self.get(parameter)))).chain(inert)

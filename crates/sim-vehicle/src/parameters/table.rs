@@ -35,6 +35,9 @@ pub(crate) struct Start<'a> {
 pub(crate) struct ModelBounds {
     pub speed_min_mps: f32,
     pub speed_max_mps: f32,
+    pub climb_max_mps: f32,
+    /// Above zero.
+    pub sink_max_mps: f32,
     pub roll_limit_deg: f32,
     pub rate_max_hz: f32,
 }
@@ -86,6 +89,8 @@ pub(crate) enum Effect {
     Battery,
     /// Which fences are enabled.
     Fence,
+    /// How fast the clock of the host runs.
+    Speedup,
     /// When the lack of setpoints becomes a failsafe.
     SetpointTimeout,
 }
@@ -136,6 +141,9 @@ parameters! {
         |p| (p.get(Parameter::AirspeedCruise), p.model.speed_max_mps), Effect::LookedUp;
     RollLimit: "ROLL_LIMIT_DEG", REAL, |s| s.model.roll_limit_deg, |p| (1.0, p.model.roll_limit_deg), Effect::Tuning;
 
+    ClimbMax: "TECS_CLMB_MAX", REAL, |s| s.model.climb_max_mps, |p| (0.1, p.model.climb_max_mps), Effect::Tuning;
+    SinkMax: "TECS_SINK_MAX", REAL, |s| s.model.sink_max_mps, |p| (0.1, p.model.sink_max_mps), Effect::Tuning;
+
     LoiterRadius: "WP_LOITER_RAD", INT16, |s| s.loiter_radius_m.round().min(f64::from(RADIUS_MAX_M)) as f32,
         |_| (-RADIUS_MAX_M, RADIUS_MAX_M), Effect::Tuning;
     // ArduPlane's 90 m would cut the corners of short legs.
@@ -160,7 +168,8 @@ parameters! {
     // ArduCopter's name: ArduPlane reckons on and has no action to choose.
     DeadReckoningAction: "FS_DR_ENABLE", INT8, |_| 0.0, |_| (0.0, 2.0), Effect::LookedUp;
 
-    BatteryMonitor: "BATT_MONITOR", INT8, |_| 4.0, |_| (0.0, 30.0), Effect::LookedUp;
+    // Whatever kind of monitor it is, it sees the one battery.
+    BatteryMonitor: "BATT_MONITOR", INT8, |_| 4.0, |_| (0.0, 127.0), Effect::LookedUp;
     BatteryCapacity: "BATT_CAPACITY", INT32, |_| 3300.0, |_| (0.0, 1e6), Effect::LookedUp;
     BatteryLowTimer: "BATT_LOW_TIMER", INT8, |_| 10.0, |_| (0.0, 120.0), Effect::LookedUp;
     BatteryLowVoltage: "BATT_LOW_VOLT", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::LookedUp;
@@ -183,6 +192,8 @@ parameters! {
     // Bits of motors; there is one, and any of them means it.
     EngineFail: "SIM_ENGINE_FAIL", INT32, |_| 0.0, |_| (0.0, 16_777_215.0), Effect::LookedUp;
     EngineShare: "SIM_ENGINE_MUL", REAL, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    // Of the host's clock, which all vehicles share.
+    Speedup: "SIM_SPEEDUP", REAL, |_| 1.0, |_| (0.01, 100.0), Effect::Speedup;
     RadioLoss: "SIM_UART_LOSS", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::RadioLoss;
     SimBatteryVoltage: "SIM_BATT_VOLTAGE", REAL, |_| 12.6, |_| (0.0, 100.0), Effect::LookedUp;
     SimBatteryCapacity: "SIM_BATT_CAP_AH", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::Battery;

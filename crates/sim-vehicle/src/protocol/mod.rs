@@ -18,6 +18,7 @@ use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
 use command::preflight;
 use command::request::Command;
+use command::reset;
 use mavlink_bridge::dialect::{
     MavCmd, MavModeFlag, MavResult, MavType, Message, PING_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_MODE_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA, TIMESYNC_DATA,
@@ -71,6 +72,9 @@ impl Services {
         command: &Command,
         link: usize,
     ) -> Result<(), CommandError> {
+        if command.command == MavCmd::MAV_CMD_USER_1 {
+            return reset::ask(component, command.params);
+        }
         if command.command != MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN {
             return command::execute(component, command, link);
         }

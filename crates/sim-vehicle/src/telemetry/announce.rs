@@ -5,6 +5,7 @@ use crate::autopilot::event::Event;
 use crate::counters::VehicleCounters;
 use crate::error::Severity;
 use crate::links::{Links, PeerId};
+use crate::protocol::command::reset::Kept;
 use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
 use crate::telemetry::streams::Stream;
@@ -23,6 +24,8 @@ pub(crate) struct Component {
     /// Commands and frames; the autopilot counts the rest.
     pub counters: VehicleCounters,
     pub host_now: Duration,
+    /// A reset that has been asked for, and follows.
+    pub reset_wanted: Option<Kept>,
 }
 
 impl Component {
@@ -33,6 +36,7 @@ impl Component {
             settings,
             counters: VehicleCounters::default(),
             host_now: Duration::ZERO,
+            reset_wanted: None,
         }
     }
 
@@ -50,6 +54,23 @@ impl Component {
     /// Notes that a peer has spoken. Gives its link, and whether it is a new one.
     pub fn hear(&mut self, peer: PeerId, version: Version) -> (usize, bool) {
         self.links.hear(peer, version, self.host_now, self.autopilot.time())
+    }
+
+    /// A peer has connected, over a line that tells when it is gone again.
+    pub fn connect(&mut self, peer: PeerId) {
+        let link = self.links.open(peer, self.host_now, self.autopilot.time());
+        self.announce(link);
+    }
+
+    /// Becomes another vehicle; only its links, its time and what it has counted are still its own.
+    pub fn begin_anew(&mut self, fresh: Self) {
+        self.tell_events();
+        let (time, counters) = (self.autopilot.time(), self.autopilot.counters());
+        self.autopilot = fresh.autopilot;
+        self.autopilot.go_on_at(time, counters);
+        self.settings = fresh.settings;
+        self.links.begin_anew(&fresh.links, time);
+        (0..self.links.len()).for_each(|link| self.announce(link));
     }
 
     /// Takes the host time, and forgets the peers that have been silent for too long.

@@ -3,7 +3,8 @@
 use super::COUNT_MAX;
 use crate::config::Scenario;
 use crate::config::fault::Faults;
-use crate::config::file::{Pattern, PatternTable, ScenarioFile};
+use crate::config::file::{LinkTable, Pattern, PatternTable, PortsKey, ScenarioFile};
+use crate::counted::counted;
 use sim_vehicle::{NETWORK_VEHICLES_MAX, ParameterFault, VehicleSettings, port_index};
 use std::collections::BTreeSet;
 
@@ -45,17 +46,28 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
     if !(1..=NETWORK_VEHICLES_MAX).contains(&link.vehicles_per_port) || !(1..=COUNT_MAX).contains(&count) {
         return;
     }
+    if link.ports != PortsKey::Columba {
+        autopilots_ports(link, count, faults);
+        return;
+    }
     let needed = port_index(count - 1, link.vehicles_per_port) + 1;
     let networks = count.div_ceil(NETWORK_VEHICLES_MAX);
     if let Some(port) = link.ground_port.filter(|&port| usize::from(port) + networks > 65_536) {
-        let wanted =
-            format!("at most {} for {networks} networks of {NETWORK_VEHICLES_MAX} vehicles", 65_536 - networks);
+        let wanted = format!(
+            "at most {} for {} of {NETWORK_VEHICLES_MAX} vehicles",
+            65_536 - networks,
+            counted(networks, "network")
+        );
         faults.add("link.ground_port", port, wanted);
     }
     let Some(first) = link.vehicle_port.filter(|&port| port > 0) else { return };
     let (first, end) = (usize::from(first), usize::from(first) + needed);
     if end > 65_536 {
-        faults.add("link.vehicle_port", first, format!("at most {} for {count} vehicles", 65_536 - needed));
+        faults.add(
+            "link.vehicle_port",
+            first,
+            format!("at most {} for {}", 65_536 - needed, counted(count, "vehicle")),
+        );
     }
     let overlaps = |port: usize| port > 0 && port < end && first < port + networks;
     if let Some(port) = link.ground_port.filter(|&port| overlaps(port.into())) {
@@ -63,6 +75,25 @@ pub fn ports(file: &ScenarioFile, faults: &mut Faults) {
             if networks > 1 { format!("; {networks} networks have a ground port each") } else { String::new() };
         let wanted = format!("none of the vehicles' ports, {first} to {}{ground}", end - 1);
         faults.add("link.ground_port", port, wanted);
+    }
+}
+
+/// The ports of an autopilot are what they are, and each vehicle is alone on its own.
+fn autopilots_ports(link: &LinkTable, count: usize, faults: &mut Faults) {
+    const INSTANCE_MAX: usize = 5_000;
+    faults.whole("link.instance", link.instance.into(), 0, INSTANCE_MAX);
+    for (key, port) in [("link.vehicle_port", link.vehicle_port), ("link.ground_port", link.ground_port)] {
+        if let Some(port) = port.filter(|&port| port > 0) {
+            faults.add(key, port, "0 or left out: link.ports and link.instance say which ports there are");
+        }
+    }
+    if link.vehicles_per_port > 1 {
+        faults.add("link.vehicles_per_port", link.vehicles_per_port, "1: link.ports gives each vehicle its own ports");
+    }
+    let most = link.layout().vehicles_max();
+    if count > most {
+        let wanted = format!("must be at most {most}: these ports are enough for no more");
+        faults.add_subject("link.ports", format!("{count} vehicles"), wanted);
     }
 }
 

@@ -9,6 +9,7 @@ use super::Scenario;
 use super::fault::Faults;
 use super::file::ScenarioFile;
 use super::obstacles::ObstaclesTable;
+use crate::counted::counted;
 use crate::judge::COLLISION_DISTANCE_M;
 use controller::LookAheadSettings;
 use optimizer::OptimizerSettings;
@@ -127,7 +128,7 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
             let wanted = "must be either [[vehicle]] tables or one [vehicles]";
             faults.add_subject("vehicles", "[vehicles] stands beside [[vehicle]]", wanted);
         }
-        (count, _) if count > COUNT_MAX => faults.add_subject("vehicle", format!("{count} vehicles"), too_many()),
+        (count, _) if count > COUNT_MAX => faults.add_subject("vehicle", counted(count, "vehicle"), too_many()),
         _ => {}
     }
     obstacles(file, faults);
@@ -135,7 +136,7 @@ fn vehicles(file: &ScenarioFile, faults: &mut Faults) {
 
 fn obstacles(file: &ScenarioFile, faults: &mut Faults) {
     if file.obstacle.len() > COUNT_MAX {
-        faults.add_subject("obstacle", format!("{} obstacles", file.obstacle.len()), too_many());
+        faults.add_subject("obstacle", counted(file.obstacle.len(), "obstacle"), too_many());
     }
     for (index, obstacle) in file.obstacle.iter().enumerate() {
         let key = |name: &str| format!("obstacle[{}].{name}", index + 1);
@@ -211,6 +212,10 @@ fn with_default(settings: OptimizerSettings, algorithm: &str, setting: &str) -> 
 
 fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     let link = &file.link;
+    if let Some(speed_mps) = file.autopilot.cruise_speed_mps {
+        let (slowest, fastest) = (file.dynamics.speed_min_mps, file.dynamics.speed_max_mps);
+        faults.within("autopilot.cruise_speed_mps", speed_mps, slowest, fastest);
+    }
     for error in file.autopilot.check(file.dynamics.integration_step_s) {
         let why = if error.name.ends_with("_hz") { ", 0.8 for each dynamics.integration_step_s" } else { "" };
         faults.add(format!("autopilot.{}", error.name), error.value, format!("{}{why}", error.range));
@@ -220,6 +225,7 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     }
     many::ports(file, faults);
     faults.add_ranges("link", link.impairment().check());
+    faults.add_ranges("ground", file.ground.check());
     if file.output.folder.as_deref().is_some_and(|folder| folder.trim().is_empty()) {
         faults.add("output.folder", "\"\"", "a folder's name");
     }

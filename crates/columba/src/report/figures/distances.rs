@@ -153,7 +153,7 @@ mod tests {
         flight.summary.min_separation_at_s = Some(3.18);
         let svg = distances(&flight);
         assert!(svg.contains("separation (least 0.13 m at 3.2 s)"), "{svg}");
-        let figures = crate::report::words::key_figures(&flight);
+        let figures = crate::report::key_figures::key_figures(&flight);
         let (_, value, note) = figures.iter().find(|(name, ..)| *name == "Smallest separation").unwrap();
         assert!(value == "0.13 m" && note.starts_with("at 3.2 s"), "{value} {note}");
     }

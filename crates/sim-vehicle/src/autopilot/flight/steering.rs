@@ -169,7 +169,10 @@ impl Flight {
     fn limited_dynamics(&self) -> Dynamics {
         let mut dynamics = self.dynamics;
         let overload = (self.lateral_limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
-        dynamics.limits.lateral_overload_max = overload.min(dynamics.limits.lateral_overload_max);
+        let limits = &mut dynamics.limits;
+        limits.lateral_overload_max = overload.min(limits.lateral_overload_max);
+        limits.climb_max_mps = self.tuning.climb_max_mps.min(limits.climb_max_mps);
+        limits.climb_min_mps = (-self.tuning.sink_max_mps).max(limits.climb_min_mps);
         dynamics
     }
 }

@@ -16,6 +16,10 @@ pub(crate) struct Tuning {
     pub takeoff_altitude_m: f64,
     /// Speed of LOITER and RTL, m/s; none: the present one.
     pub cruise_speed_mps: Option<f64>,
+    /// Fastest climb and descent, m/s, beside the flight model's own.
+    pub climb_max_mps: f64,
+    /// The same downwards, above zero.
+    pub sink_max_mps: f64,
     /// Greatest horizontal acceleration, as a multiple of gravity, beside the flight model's own.
     pub lateral_overload_max: f64,
 }
@@ -30,7 +34,9 @@ impl Tuning {
             rtl_radius_m: set(Parameter::RtlRadius).filter(|radius_m| *radius_m != 0.0).unwrap_or(loiter_radius_m),
             rtl_altitude_m: set(Parameter::RtlAltitude).filter(|altitude_m| *altitude_m >= 0.0),
             takeoff_altitude_m: f64::from(parameters.get(Parameter::TakeoffAltitude)),
-            cruise_speed_mps: set(Parameter::AirspeedCruise),
+            cruise_speed_mps: set(Parameter::AirspeedCruise).or(parameters.cruise_speed_mps()),
+            climb_max_mps: set(Parameter::ClimbMax).unwrap_or(f64::INFINITY),
+            sink_max_mps: set(Parameter::SinkMax).unwrap_or(f64::INFINITY),
             lateral_overload_max: set(Parameter::RollLimit)
                 .map_or(f64::INFINITY, |limit_deg| libm::tan(limit_deg.to_radians())),
         }

@@ -40,6 +40,8 @@ const NAMES: &[(Parameter, &str, MavParamType)] = &[
     (Parameter::AirspeedMin, "FW_AIRSPD_MIN", REAL),
     (Parameter::AirspeedMax, "FW_AIRSPD_MAX", REAL),
     (Parameter::RollLimit, "FW_R_LIM", REAL),
+    (Parameter::ClimbMax, "FW_T_CLMB_MAX", REAL),
+    (Parameter::SinkMax, "FW_T_SINK_MAX", REAL),
     (Parameter::LoiterRadius, "NAV_LOITER_RAD", REAL),
     (Parameter::WaypointRadius, "NAV_ACC_RAD", REAL),
     (Parameter::RtlAltitude, "RTL_RETURN_ALT", REAL),

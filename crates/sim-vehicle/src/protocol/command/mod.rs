@@ -13,6 +13,7 @@ mod page;
 pub(crate) mod preflight;
 mod reposition;
 pub(crate) mod request;
+pub(crate) mod reset;
 mod set_home;
 mod standard_modes;
 

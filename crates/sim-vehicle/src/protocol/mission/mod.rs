@@ -56,6 +56,12 @@ impl MissionService {
         self.uploads = Uploads::default();
     }
 
+    /// The plans are others: nobody uploads anything, and everything is to be kept anew.
+    pub fn begin_anew(&mut self) {
+        self.forget_uploads();
+        self.changed = [true; PlanKind::ALL.len()];
+    }
+
     /// Takes the plans that were on board before.
     pub fn restore(&mut self, component: &mut Component, mut plans: Plans) -> Result<(), SettingsError> {
         for kind in PlanKind::ALL {

@@ -29,6 +29,8 @@ pub(crate) struct ParameterService {
     place: usize,
     /// Whether a parameter has been set since somebody asked.
     has_changed: bool,
+    /// What a client has set SIM_SPEEDUP to, until the host takes it.
+    speedup_wanted: Option<f64>,
 }
 
 /// A list that is under way, one for each peer that has asked.
@@ -59,6 +61,23 @@ impl ParameterService {
     /// Nobody has asked for a list.
     pub fn forget_listings(&mut self) {
         self.listings.clear();
+    }
+
+    /// How fast the host's clock is to run, if somebody has set SIM_SPEEDUP since this was last asked.
+    pub fn take_speedup(&mut self) -> Option<f64> {
+        self.speedup_wanted.take()
+    }
+
+    /// The vehicle begins anew with a system id: nobody has asked for a list, and everything is to be kept anew.
+    pub fn begin_anew(&mut self, system_id: u8) {
+        self.forget_listings();
+        self.has_changed = true;
+        self.ids.set(self.place, system_id);
+    }
+
+    /// Whether another vehicle behind the same port has a system id.
+    pub fn is_taken(&self, system_id: u8) -> bool {
+        self.ids.is_taken(self.place, system_id)
     }
 
     /// Whether a parameter has been set since this was last asked.
@@ -148,6 +167,7 @@ impl ParameterService {
             }
             Effect::Rates(group) => set_rates(component, group, value),
             Effect::RadioLoss => component.links().set_loss(f64::from(value) / 100.0),
+            Effect::Speedup => self.speedup_wanted = Some(f64::from(value)),
             Effect::LookedUp | Effect::ReadOnly => {}
             Effect::Tuning | Effect::Battery | Effect::Fence | Effect::SetpointTimeout => {}
         }

@@ -1,9 +1,9 @@
 //! `table.md` and `table.json`: the tables of a comparison for people and for scripts, without its wall times.
 
 use super::plan::Plan;
-use super::results::{Duel, MEASURES, Outcome, Standing};
+use super::results::{ContenderSummary, MEASURES, Outcome, RankComparison};
 use super::statistics::Interval;
-use super::words::{self, Table};
+use super::tables::{self, Table};
 use serde_json::{Map, Value, json};
 
 /// What a contender lays over a scenario that it flies as it is.
@@ -14,7 +14,7 @@ pub fn markdown(plan: &Plan, outcomes: &[Outcome<'_>]) -> String {
     let mut text = format!("# Comparison\n\n{}\n", headline(plan));
     for outcome in outcomes {
         text += &format!("\n## Scenario {}\n", outcome.scenario);
-        for table in words::tables(outcome) {
+        for table in tables::tables(outcome) {
             text += &of_table(&table);
         }
     }
@@ -65,10 +65,10 @@ pub fn json(plan: &Plan, outcomes: &[Outcome<'_>]) -> Result<String, serde_json:
     let scenarios: Vec<Value> = outcomes
         .iter()
         .map(|outcome| {
-            let standings: Vec<Value> =
-                outcome.standings.iter().map(|standing| of_standing(outcome.scenario, standing)).collect();
-            let tests: Vec<Value> = outcome.duels.iter().map(of_duel).collect();
-            json!({ "scenario": outcome.scenario, "contenders": standings, "tests": tests })
+            let summaries: Vec<Value> =
+                outcome.summaries.iter().map(|summary| of_summary(outcome.scenario, summary)).collect();
+            let tests: Vec<Value> = outcome.comparisons.iter().map(of_comparison).collect();
+            json!({ "scenario": outcome.scenario, "contenders": summaries, "tests": tests })
         })
         .collect();
     let laid: Vec<Value> = plan.laid.iter().map(|(who, toml)| json!({ "for": who, "toml": toml })).collect();
@@ -82,11 +82,11 @@ pub fn json(plan: &Plan, outcomes: &[Outcome<'_>]) -> Result<String, serde_json:
     serde_json::to_string_pretty(&table).map(|json| json + "\n")
 }
 
-fn of_standing(scenario: &str, standing: &Standing<'_>) -> Value {
-    let share = |part: usize| part as f64 / standing.flights.max(1) as f64;
+fn of_summary(scenario: &str, summary: &ContenderSummary<'_>) -> Value {
+    let share = |part: usize| part as f64 / summary.flights.max(1) as f64;
     let medians: Map<String, Value> = MEASURES
         .iter()
-        .zip(&standing.estimates)
+        .zip(&summary.estimates)
         .map(|(measure, estimate)| {
             let estimate = estimate.map(
                 |estimate| json!({ "median": number(estimate.median), "interval_95": estimate.interval.map(interval) }),
@@ -94,39 +94,39 @@ fn of_standing(scenario: &str, standing: &Standing<'_>) -> Value {
             (measure.key.to_owned(), estimate.unwrap_or_default())
         })
         .collect();
-    let paper = words::in_the_paper(scenario, standing.algorithm).map(|(speed_s, course_s)| {
+    let paper = tables::in_the_paper(scenario, summary.algorithm).map(|(speed_s, course_s)| {
         json!({ "speed_convergence_s": number(speed_s), "course_convergence_s": number(course_s) })
     });
     json!({
-        "contender": standing.contender,
-        "algorithm": standing.algorithm,
-        "flights": standing.flights,
-        "t_max_s": standing.t_max_s,
-        "successes": standing.successes,
-        "success_rate": share(standing.successes),
-        "success_rate_interval_95": standing.success_interval.map(interval),
-        "obstacle_collisions": standing.obstacle_collisions,
-        "vehicle_collisions": standing.vehicle_collisions,
-        "separation_losses": standing.separation_losses,
-        "speed_converged_rate": share(standing.speed_converged),
-        "course_converged_rate": share(standing.course_converged),
-        "least_separation_m": standing.least_separation_m,
-        "least_clearance_m": standing.least_clearance_m,
-        "evaluations_per_solve": standing.evaluations,
+        "contender": summary.contender,
+        "algorithm": summary.algorithm,
+        "flights": summary.flights,
+        "t_max_s": summary.t_max_s,
+        "successes": summary.successes,
+        "success_rate": share(summary.successes),
+        "success_rate_interval_95": summary.success_interval.map(interval),
+        "obstacle_collisions": summary.obstacle_collisions,
+        "vehicle_collisions": summary.vehicle_collisions,
+        "separation_losses": summary.separation_losses,
+        "speed_converged_rate": share(summary.speed_converged),
+        "course_converged_rate": share(summary.course_converged),
+        "least_separation_m": summary.least_separation_m,
+        "least_clearance_m": summary.least_clearance_m,
+        "evaluations_per_solve": summary.evaluations,
         "medians": medians,
         "paper": paper,
     })
 }
 
-fn of_duel(duel: &Duel<'_>) -> Value {
+fn of_comparison(comparison: &RankComparison<'_>) -> Value {
     json!({
-        "measure": duel.measure.key,
-        "contender": duel.contender,
-        "against": duel.against,
-        "u": duel.u,
-        "p": duel.p,
-        "p_holm": duel.p_holm,
-        "a_better": duel.better,
+        "measure": comparison.measure.key,
+        "contender": comparison.contender,
+        "against": comparison.against,
+        "u": comparison.u,
+        "p": comparison.p,
+        "p_holm": comparison.p_holm,
+        "a_better": comparison.better,
     })
 }
 

@@ -1,6 +1,6 @@
 //! The tables of a comparison in words: for `table.md`, the screen and the report.
 
-use super::results::{Duel, Estimate, MEASURES, Outcome, Standing};
+use super::results::{ContenderSummary, Estimate, MEASURES, Outcome, RankComparison};
 use super::statistics::Interval;
 
 /// A table as people read it.
@@ -48,8 +48,8 @@ pub fn times(outcome: &Outcome<'_>) -> Table {
                run changes. Medians over the flights."
             .to_owned(),
         head: words(&["contender", "solve, median (\u{b5}s)", "solve, 99th percentile (\u{b5}s)", "flight (s)"]),
-        rows: each(outcome, |standing| {
-            let times = standing.times;
+        rows: each(outcome, |summary| {
+            let times = summary.times;
             vec![number(times.solve_us_p50, 0), number(times.solve_us_p99, 0), number(times.wall_s, 3)]
         }),
     }
@@ -57,23 +57,23 @@ pub fn times(outcome: &Outcome<'_>) -> Table {
 
 /// The paper's Table 1, with its own values beside ours.
 fn convergence(outcome: &Outcome<'_>) -> Table {
-    let t_max_s = outcome.standings.first().map_or(0.0, |standing| standing.t_max_s);
+    let t_max_s = outcome.summaries.first().map_or(0.0, |summary| summary.t_max_s);
     let with_paper =
-        outcome.standings.iter().any(|standing| in_the_paper(outcome.scenario, standing.algorithm).is_some());
+        outcome.summaries.iter().any(|summary| in_the_paper(outcome.scenario, summary.algorithm).is_some());
     let mut head = words(&["contender", "velocities (s)", "yaw angles (s)"]);
     if with_paper {
         head = words(&["contender", "velocities (s)", "in the paper", "yaw angles (s)", "in the paper"]);
     }
     head.extend(words(&["velocities converged", "yaw angles converged"]));
-    let rows = each(outcome, |standing| {
-        let paper = in_the_paper(outcome.scenario, standing.algorithm);
+    let rows = each(outcome, |summary| {
+        let paper = in_the_paper(outcome.scenario, summary.algorithm);
         let paper = |of: fn((f64, f64)) -> f64| paper.map_or_else(|| NONE.to_owned(), |times| value(of(times), 2));
-        let mut row = vec![estimated(standing, 0)];
+        let mut row = vec![estimated(summary, 0)];
         row.extend(with_paper.then(|| paper(|times| times.0)));
-        row.push(estimated(standing, 1));
+        row.push(estimated(summary, 1));
         row.extend(with_paper.then(|| paper(|times| times.1)));
-        row.push(share(standing.speed_converged, standing.flights));
-        row.push(share(standing.course_converged, standing.flights));
+        row.push(share(summary.speed_converged, summary.flights));
+        row.push(share(summary.course_converged, summary.flights));
         row
     });
     Table {
@@ -105,16 +105,16 @@ fn safety(outcome: &Outcome<'_>) -> Table {
             "median",
             "smallest clearance (m)",
         ]),
-        rows: each(outcome, |standing| {
+        rows: each(outcome, |summary| {
             vec![
-                standing.flights.to_string(),
-                success(standing),
-                standing.obstacle_collisions.to_string(),
-                standing.vehicle_collisions.to_string(),
-                standing.separation_losses.to_string(),
-                metres(standing.least_separation_m),
-                estimated(standing, 2),
-                metres(standing.least_clearance_m),
+                summary.flights.to_string(),
+                success(summary),
+                summary.obstacle_collisions.to_string(),
+                summary.vehicle_collisions.to_string(),
+                summary.separation_losses.to_string(),
+                metres(summary.least_separation_m),
+                estimated(summary, 2),
+                metres(summary.least_clearance_m),
             ]
         }),
     }
@@ -134,34 +134,29 @@ fn smoothness(outcome: &Outcome<'_>) -> Table {
             "flock radius (m)",
             "evaluations per solve",
         ]),
-        rows: each(outcome, |standing| {
-            vec![
-                estimated(standing, 3),
-                estimated(standing, 4),
-                estimated(standing, 5),
-                standing.evaluations.to_string(),
-            ]
+        rows: each(outcome, |summary| {
+            vec![estimated(summary, 3), estimated(summary, 4), estimated(summary, 5), summary.evaluations.to_string()]
         }),
     }
 }
 
 /// None where there is nobody to be compared with.
 fn ranks(outcome: &Outcome<'_>) -> Option<Table> {
-    let against = outcome.duels.first()?.against;
-    let row = |duel: &Duel<'_>| {
-        let verdict = match duel.better {
-            _ if duel.p_holm >= SIGNIFICANT => "no difference shown",
+    let against = outcome.comparisons.first()?.against;
+    let row = |comparison: &RankComparison<'_>| {
+        let verdict = match comparison.better {
+            _ if comparison.p_holm >= SIGNIFICANT => "no difference shown",
             better if better > 0.5 => "better",
             _ => "worse",
         };
-        let (name, unit) = (duel.measure.name, duel.measure.unit);
+        let (name, unit) = (comparison.measure.name, comparison.measure.unit);
         vec![
             format!("{name} ({unit})"),
-            duel.contender.to_owned(),
-            fixed(duel.u, 1),
-            probability(duel.p),
-            probability(duel.p_holm),
-            fixed(duel.better, 3),
+            comparison.contender.to_owned(),
+            fixed(comparison.u, 1),
+            probability(comparison.p),
+            probability(comparison.p_holm),
+            fixed(comparison.better, 3),
             verdict.to_owned(),
         ]
     };
@@ -174,23 +169,23 @@ fn ranks(outcome: &Outcome<'_>) -> Option<Table> {
              A verdict needs a corrected p below {SIGNIFICANT}."
         ),
         head: words(&["measure", "contender", "U", "p", "p (Holm)", "A", "verdict"]),
-        rows: outcome.duels.iter().map(row).collect(),
+        rows: outcome.comparisons.iter().map(row).collect(),
     })
 }
 
-fn each(outcome: &Outcome<'_>, cells: impl Fn(&Standing<'_>) -> Vec<String>) -> Vec<Vec<String>> {
-    let row = |standing: &Standing<'_>| [vec![standing.contender.to_owned()], cells(standing)].concat();
-    outcome.standings.iter().map(row).collect()
+fn each(outcome: &Outcome<'_>, cells: impl Fn(&ContenderSummary<'_>) -> Vec<String>) -> Vec<Vec<String>> {
+    let row = |summary: &ContenderSummary<'_>| [vec![summary.contender.to_owned()], cells(summary)].concat();
+    outcome.summaries.iter().map(row).collect()
 }
 
 fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|&word| word.to_owned()).collect()
 }
 
-fn success(standing: &Standing<'_>) -> String {
+fn success(summary: &ContenderSummary<'_>) -> String {
     let percent = |share: f64| fixed(100.0 * share, 1);
-    let rate = percent(standing.successes as f64 / standing.flights.max(1) as f64);
-    match standing.success_interval {
+    let rate = percent(summary.successes as f64 / summary.flights.max(1) as f64);
+    match summary.success_interval {
         Some(Interval { low, high }) => format!("{rate} [{}, {}]", percent(low), percent(high)),
         None => rate,
     }
@@ -201,9 +196,9 @@ fn share(part: usize, whole: usize) -> String {
 }
 
 /// A measure's median with its interval.
-fn estimated(standing: &Standing<'_>, measure: usize) -> String {
+fn estimated(summary: &ContenderSummary<'_>, measure: usize) -> String {
     let decimals = MEASURES[measure].decimals;
-    match standing.estimates[measure] {
+    match summary.estimates[measure] {
         None => NONE.to_owned(),
         Some(Estimate { median, interval: None }) => value(median, decimals),
         Some(Estimate { median, interval: Some(Interval { low, high }) }) => {
