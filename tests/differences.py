@@ -27,6 +27,12 @@ KNOWN = {
         "missions": ["one item, by the older message"],
         "mission items": ["in frame GLOBAL_TERRAIN_ALT"],
     },
+    "PARAM_VALUE has the type of the parameter; ArduPlane answers a PARAM_SET that changes nothing in the type that it came with.": {
+        "value sets": ["BATT_FS_LOW_ACT 0", "BATT_FS_CRT_ACT 0", "FENCE_AUTOENABLE 0"],
+    },
+    "FENCE_AUTOENABLE 1 is taken without a warning.": {
+        "value sets": ["FENCE_AUTOENABLE 1"],
+    },
     "MISSION_CURRENT is the item that is flown, never home, and every item that is flown is reached once, NAV_LAND on the ground too.": {
         "missions": ["current is 0", "nothing at all", "clear"],
         "mission commands": ["start", "start when started", "current is 0"],

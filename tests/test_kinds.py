@@ -132,7 +132,8 @@ def test_what_comes_has_sensible_content(start):
     assert abs(truth.lat_int - place.lat) < 5000 and abs(truth.alt - place.alt / 1000) < 2
     summary = craft.request(mavlink.MAVLINK_MSG_ID_HIGH_LATENCY2, "HIGH_LATENCY2")
     assert abs(summary.latitude - place.lat) < 5000 and summary.custom_mode == GUIDED
-    assert abs(summary.groundspeed / 5 - 10) < 0.5 and abs(summary.altitude - place.alt / 1000) < 2
+    hud = craft.wait(["VFR_HUD"])
+    assert abs(summary.groundspeed / 5 - hud.groundspeed) < 0.5 and abs(summary.altitude - place.alt / 1000) < 2
     outputs = craft.request(mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW, "SERVO_OUTPUT_RAW")
     assert 1100 < outputs.servo3_raw <= 2000
 
