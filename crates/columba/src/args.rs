@@ -23,7 +23,8 @@ pub struct Cli {
     /// Print errors only: no progress, no results.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Number of threads that solve, 1 to 1024; default: one for each processor. The results are the same with any number.
+    /// Number of threads that solve, 1 to 1024; default: one for each processor. The results are the same with any
+    /// number.
     #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<u16>,
     /// What the command line lays over the scenario file, the lowest layer first: see [`flags`].
@@ -54,8 +55,9 @@ impl Cli {
 pub enum Command {
     /// Flies a scenario end to end: vehicles, link and controller. Without a file, the paper's flight.
     ///
-    /// By default in lockstep: real MAVLink over UDP in simulated time, as fast as possible; the same seed gives the same
-    /// flight to the last bit. The folder of the run holds summary.json, trajectory.parquet, flight.tlog and report.html.
+    /// By default in lockstep: real MAVLink over UDP in simulated time, as fast as possible; the same seed gives the
+    /// same flight to the last bit. The folder of the run holds summary.json, trajectory.parquet, flight.tlog and
+    /// report.html.
     #[command(after_long_help = help::RUN)]
     Run(RunArgs),
     /// Runs only the simulated vehicles, for your own controller, ground station or test.
@@ -65,15 +67,17 @@ pub enum Command {
     Vehicles(VehiclesArgs),
     /// Runs only the ground controller, with vehicles that run elsewhere.
     ///
-    /// Waits until every vehicle of the scenario has sent its position, sets them to GUIDED, arms them and flies them. Writes the
-    /// same folder as run.
+    /// Waits until every vehicle of the scenario has sent its position, sets them to GUIDED, arms them and flies them.
+    /// Writes the same folder as run.
     #[command(after_long_help = help::FLY)]
     Fly(FlyArgs),
-    /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while it flew.
+    /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while
+    /// it flew.
     Recover(RecoverArgs),
     /// Compares optimisers and settings over many flights: tables with intervals and tests, and figures of each.
     ///
-    /// Every contender flies every scenario with every seed, in memory and in parallel. Without a file, the paper's flight.
+    /// Every contender flies every scenario with every seed, in memory and in parallel. Without a file, the paper's
+    /// flight.
     #[command(after_long_help = help::COMPARE)]
     Compare(CompareArgs),
     /// Tells every fault of scenario files and files of contenders, by line.
@@ -81,8 +85,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measures optimisers on test problems whose true fronts are known: ZDT and DTLZ.
     ///
-    /// Hypervolume and IGD+ over many seeds. The folder holds fronts.parquet, indicators.parquet, reference-fronts.parquet,
-    /// timings.parquet and table.md, which is printed too.
+    /// Hypervolume and IGD+ over many seeds. The folder holds fronts.parquet, indicators.parquet,
+    /// reference-fronts.parquet, timings.parquet and table.md, which is printed too.
     #[command(after_long_help = help::SUITES)]
     Suites(SuitesArgs),
     /// Prints completions for a shell.
@@ -115,13 +119,16 @@ pub struct VehiclesArgs {
     /// Scenario file (TOML) for the vehicles' starts and dynamics; without one, the paper's.
     pub config: Option<PathBuf>,
     /// Vehicle seconds for each second of the wall clock, 0.01 to 100.
-    #[arg(long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed, conflicts_with = "lockstep")]
+    #[arg(
+        long, value_name = "K", default_value = "1", allow_negative_numbers = true, value_parser = speed,
+        conflicts_with = "lockstep",
+    )]
     pub speed: f64,
     /// Simulated time: a vehicle moves on only when it has the setpoint stamped with its time.
     #[arg(long)]
     pub lockstep: bool,
-    /// Folder that keeps parameters and plans over a restart: vehicle-1.parm, vehicle-1-mission.txt and so on. Without it,
-    /// they are not kept.
+    /// Folder that keeps parameters and plans over a restart: vehicle-1.parm, vehicle-1-mission.txt and so on. Without
+    /// it, they are not kept.
     #[arg(long, alias = "params-folder", value_name = "DIR")]
     pub state_folder: Option<PathBuf>,
     /// Prints the table of vehicles as JSON.
@@ -151,8 +158,8 @@ pub struct FlyArgs {
 /// What `fly` tells its ground station.
 #[derive(Debug, Args)]
 pub struct StationArgs {
-    /// A link to autopilots, as udpin:127.0.0.1:14550, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, serial:/dev/ttyUSB0:57600 or
-    /// /dev/ttyUSB0,57600; with or without //. May be given several times.
+    /// A link to autopilots, as udpin:127.0.0.1:14550, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT,
+    /// serial:/dev/ttyUSB0:57600 or /dev/ttyUSB0,57600; with or without //. May be given several times.
     #[arg(long, value_name = "LINK")]
     pub link: Vec<Connection>,
     /// System ids of the vehicles, in the order of the scenario; by default those that are heard, in their own order.
@@ -164,15 +171,15 @@ pub struct StationArgs {
     /// Does all but command: says who is there, what is missing, and what does not fit.
     #[arg(long)]
     pub dry_run: bool,
-    /// Where the scenario's frame is: home (of the first vehicle), or LATITUDE,LONGITUDE,ALTITUDE in degrees and m above mean sea
-    /// level; by default as the scenario has it.
+    /// Where the scenario's frame is: home (of the first vehicle), or LATITUDE,LONGITUDE,ALTITUDE in degrees and m
+    /// above mean sea level; by default as the scenario has it.
     #[arg(long, value_name = "PLACE", allow_hyphen_values = true)]
     pub origin: Option<Origin>,
     /// How long vehicles may take to be ready, and then to take off, in seconds.
     #[arg(long, value_name = "S", default_value = "120", value_parser = patience)]
     pub patience: f64,
-    /// File with the key of MAVLink 2 signatures, 64 hexadecimal digits or 32 bytes, which its owner alone may read: what goes out
-    /// is signed, and what is not signed with it is rejected.
+    /// File with the key of MAVLink 2 signatures, 64 hexadecimal digits or 32 bytes, which its owner alone may read:
+    /// what goes out is signed, and what is not signed with it is rejected.
     #[arg(long, value_name = "FILE")]
     pub signing_key: Option<PathBuf>,
 }
@@ -193,8 +200,8 @@ pub struct CompareArgs {
     /// Scenario files (TOML); without one, the paper's five UAVs and seven obstacles.
     #[arg(value_name = "CONFIG")]
     pub scenarios: Vec<PathBuf>,
-    /// Optimisers, each of which flies the scenarios as they are; by default mslpio,mpio,nsga2. The first contender is the one
-    /// that the others are tested against.
+    /// Optimisers, each of which flies the scenarios as they are; by default mslpio,mpio,nsga2. The first contender is
+    /// the one that the others are tested against.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = algorithm())]
     pub optimizers: Option<Vec<Algorithm>>,
     /// File of [[contender]] tables (TOML); they follow the optimisers, which are then none by default.
@@ -240,10 +247,16 @@ pub struct ManArgs {
 #[derive(Debug, Args)]
 pub struct SuitesArgs {
     /// Problems: zdt1, zdt2, zdt3, zdt4, zdt6, dtlz1, dtlz2.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "zdt1,zdt2,zdt3,zdt4,zdt6,dtlz1,dtlz2", value_parser = problem)]
+    #[arg(
+        long, value_name = "NAMES", value_delimiter = ',', default_value = "zdt1,zdt2,zdt3,zdt4,zdt6,dtlz1,dtlz2",
+        value_parser = problem,
+    )]
     pub problems: Vec<Suite>,
     /// Optimisers: mslpio, mpio, nsga2, random.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "mslpio,mpio,nsga2", value_parser = multi_objective)]
+    #[arg(
+        long, value_name = "NAMES", value_delimiter = ',', default_value = "mslpio,mpio,nsga2",
+        value_parser = multi_objective,
+    )]
     pub optimizers: Vec<Algorithm>,
     /// How many seeds (31: 1 to 31), or which: 101..200, or 3,5,8..9.
     #[arg(long, value_name = "SEEDS", default_value = "31", allow_hyphen_values = true)]

@@ -74,8 +74,8 @@ pub struct Tick {
     /// Least horizontal distance from a vehicle's centre to the edge of a circle over the same interval, m; negative
     /// inside a circle. Infinite when there is no obstacle.
     pub min_clearance_m: f64,
-    /// Wall time that one vehicle's solve took at this tick, the mean over the flock, us. Reported, never recorded: it is
-    /// not the same from run to run.
+    /// Wall time that one vehicle's solve took at this tick, the mean over the flock, us. Reported, never recorded: it
+    /// is not the same from run to run.
     pub solve_us: f64,
 }
 
@@ -92,8 +92,9 @@ pub struct Row {
 
 /// `summary.json`: the figures of a flight by stable names. A name, once published, keeps its meaning and its unit.
 ///
-/// What did not happen or does not exist is `null` (`None`): the least separation of a single vehicle, the time at which
-/// a speed converged that never did. Numbers that JSON cannot hold, infinities and NaN, are written as `null` too.
+/// What did not happen or does not exist is `null` (`None`): the least separation of a single vehicle, the time at
+/// which a speed converged that never did. Numbers that JSON cannot hold, infinities and NaN, are written as `null`
+/// too.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// The scenario's name.
@@ -171,8 +172,8 @@ pub struct Summary {
     /// Counters of the link, as an object; `null` for a run in memory.
     #[serde(default)]
     pub link: serde_json::Value,
-    /// What a ground station knows of a flight with vehicles that keep their own time: events, vehicles, and what the least
-    /// distances rest on; `null` for others.
+    /// What a ground station knows of a flight with vehicles that keep their own time: events, vehicles, and what the
+    /// least distances rest on; `null` for others.
     #[serde(default)]
     pub station: serde_json::Value,
     /// The version of Columba that flew.

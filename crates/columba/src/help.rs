@@ -1,11 +1,14 @@
-//! The long texts of `--help`: examples, and what a command leaves behind. An example is a line of its own, its explanation
-//! the next one, so that both can be read in a narrow terminal. A test runs the examples through the command line.
+//! The long texts of `--help`: examples, and what a command leaves behind. An example is a line of its own, its
+//! explanation the next one, so that both can be read in a narrow terminal. A test runs the examples through the
+//! command line.
 
 /// Of the program.
 pub const PROGRAM: &str = "\
-Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are wrong.
+Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are \
+wrong.
 
-RUST_LOG=debug prints what the links, the pre-flight and each tick do; RUST_LOG=trace prints every setpoint that is sent again.";
+RUST_LOG=debug prints what the links, the pre-flight and each tick do; RUST_LOG=trace prints every setpoint that is \
+sent again.";
 
 /// Of `columba run`.
 pub const RUN: &str = "\
@@ -23,7 +26,8 @@ Examples:
   columba run --loss 0.2
       over a bad link: it takes longer, and is the same flight
 
-Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are wrong.";
+Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are \
+wrong.";
 
 /// Of `columba vehicles`.
 pub const VEHICLES: &str = "\
@@ -45,7 +49,8 @@ Examples:
   columba vehicles --host 0.0.0.0
       for clients on other machines, too
 
-A vehicle answers every client that sends to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends the program.";
+A vehicle answers every client that sends to its port: MAVProxy, pymavlink, your own controller. Ctrl-C ends the \
+program.";
 
 /// Of `columba fly`.
 pub const FLY: &str = "\
@@ -59,9 +64,11 @@ Examples:
   columba fly field.toml --link tcp:127.0.0.1:5760 --link tcp:127.0.0.1:5770 --dry-run
       which autopilots are there, and what is missing; no command is sent
 
-On the terminal, during the flight: pause, resume, abort, drop N, take N, status. Ctrl-C ends the flight as --at-end says.
+On the terminal, during the flight: pause, resume, abort, drop N, take N, status. Ctrl-C ends the flight as --at-end \
+says.
 
-Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are wrong.";
+Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are \
+wrong.";
 
 /// Of `columba compare`.
 pub const COMPARE: &str = "\
@@ -75,7 +82,8 @@ Examples:
   columba compare --contenders settings.toml --seeds 20 --out short
       settings of your own against each other
 
-A file of contenders has a table [[contender]] for each, with a name and any tables of a scenario file, which override those
+A file of contenders has a table [[contender]] for each, with a name and any tables of a scenario file, which override \
+those
 of the scenario:
   [[contender]]
   name = \"shorter look-ahead\"
@@ -85,7 +93,8 @@ of the scenario:
 The folder holds every flight as soon as it is flown: the same command, started again, goes on where it was interrupted.
 docs/compare.md describes every file and figure.
 
-Exit status: 0 every flight is flown (a collision is a result here and no failure), 1 interrupted, 2 the arguments or a file
+Exit status: 0 every flight is flown (a collision is a result here and no failure), 1 interrupted, 2 the arguments or \
+a file
 are wrong.";
 
 /// Of `columba check`.
@@ -94,7 +103,8 @@ Examples:
   columba check field.toml
   columba check config/*.toml contenders.toml
 
-Every fault of a file is told, one a line: file, line, key, value and what would be right. docs/scenario.md describes every key.
+Every fault of a file is told, one a line: file, line, key, value and what would be right. docs/scenario.md describes \
+every key.
 Contenders are checked over the paper's flight.
 
 Exit status: 0 all files are good, 2 one is not.";
@@ -109,7 +119,8 @@ Examples:
   columba suites --dimensions 3 --population 50 --generations 13
       the budget of one decision in a flight: 650 evaluations of 3 variables
 
-Every optimiser evaluates population x generations candidates and ends with a front of at most one population. With the same
+Every optimiser evaluates population x generations candidates and ends with a front of at most one population. With \
+the same
 seeds all files have the same bytes, with any number of threads, except timings.parquet, which is wall time (--threads 1
 measures best).
 

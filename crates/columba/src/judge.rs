@@ -107,7 +107,8 @@ impl Judge {
         judge
     }
 
-    /// Judges the states after each integration step of an interval that starts at `start_s`; all tracks are equally long.
+    /// Judges the states after each integration step of an interval that starts at `start_s`; all tracks are equally
+    /// long.
     pub fn interval(&mut self, start_s: f64, step_s: f64, tracks: &[Vec<State>]) -> Minima {
         let steps = tracks.iter().map(Vec::len).min().unwrap_or(0);
         self.find_candidates(steps as f64 * step_s);

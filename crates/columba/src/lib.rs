@@ -1,5 +1,5 @@
-//! The program's rooms: configuration, the three ways to fly, the judge, the record, the report and the comparison. It wires the other
-//! crates together and holds no algorithm.
+//! The program's rooms: configuration, the three ways to fly, the judge, the record, the report and the comparison. It
+//! wires the other crates together and holds no algorithm.
 
 pub mod args;
 pub mod commands;

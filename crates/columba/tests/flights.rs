@@ -32,7 +32,8 @@ radius_m = 100.0
 fn pattern(name: &str, count: usize, duration_s: f64) -> String {
     format!(
         "[scenario]\nname = \"{name}\"\nduration_s = {duration_s:?}\n\n[flock]\nexpected_speed_mps = 10.0\n\
-         expected_altitude_m = 50.0\n\n[vehicles]\ncount = {count}\n\n[[obstacle]]\nx_m = 60.0\ny_m = 0.0\nradius_m = 6.0\n"
+         expected_altitude_m = 50.0\n\n[vehicles]\ncount = {count}\n\n[[obstacle]]\nx_m = 60.0\ny_m = 0.0\n\
+         radius_m = 6.0\n"
     )
 }
 

@@ -3,8 +3,8 @@
 //! The other tests fly twice and compare; this one compares with what was flown before, on other machines and by older
 //! versions. It may change for a change of the law, the look-ahead, the optimiser, a default, the flight model, the
 //! rounding of the wire or the stream of random numbers, if that change means to change flights: then the failing test
-//! says where the new flight is, and whoever puts it in place of `golden.txt` says why in the commit. It must not change
-//! for a change of speed, of structure, of the compiler or of the platform.
+//! says where the new flight is, and whoever puts it in place of `golden.txt` says why in the commit. It must not
+//! change for a change of speed, of structure, of the compiler or of the platform.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests may, as tests may
 
 use columba::config;

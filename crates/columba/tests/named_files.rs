@@ -13,7 +13,8 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Names that are no files of the project: what the program writes, tools of others, a reader's own files in the README.
+/// Names that are no files of the project: what the program writes, tools of others, a reader's own files in the
+/// README.
 const NOT_OURS: [&str; 5] =
     ["table.md", "sim_vehicle.py", "mavlogdump.py", "my/tests/conftest.py", "my/tests/test_mine.py"];
 
@@ -35,8 +36,8 @@ fn files() -> BTreeSet<String> {
     files
 }
 
-/// The names of files in a text: words with the suffix of a source file or a page, or that begin with one of the folders.
-/// `{a,b}` stands for both, as in a shell.
+/// The names of files in a text: words with the suffix of a source file or a page, or that begin with one of the
+/// folders. `{a,b}` stands for both, as in a shell.
 fn names(text: &str) -> Vec<String> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || "_-./{},*".contains(c);
     let words = text.split(|c: char| !is_part(c)).map(|word| word.trim_end_matches(['.', ',']));

@@ -50,8 +50,8 @@ impl FlockSettings {
 }
 
 impl FlockSettings {
-    /// Every setting that is out of its range, except those of the optimiser. The limits of the vehicles must only be in
-    /// order: a real vehicle may allow less than the ranges of a scenario file.
+    /// Every setting that is out of its range, except those of the optimiser. The limits of the vehicles must only be
+    /// in order: a real vehicle may allow less than the ranges of a scenario file.
     pub fn check(&self) -> Vec<RangeError> {
         let limits = self.dynamics.limits;
         let mut ranges = Ranges::default();

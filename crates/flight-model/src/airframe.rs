@@ -24,8 +24,8 @@ impl Airframe {
 
     /// The plane of ArduPilot's SITL with its default parameters: 10 to 30 m/s, cruise 22 m/s, banks of 65 degrees.
     ///
-    /// The time constants were fitted to the steps of an ArduPlane 4.7 in GUIDED (course 10 and 45 degrees, speed 2 m/s,
-    /// altitude 5 m). Its speed loop overshoots, which a first order does not show.
+    /// The time constants were fitted to the steps of an ArduPlane 4.7 in GUIDED (course 10 and 45 degrees, speed 2
+    /// m/s, altitude 5 m). Its speed loop overshoots, which a first order does not show.
     pub fn plane() -> Self {
         Self {
             dynamics: Dynamics {
@@ -46,8 +46,8 @@ impl Airframe {
 
     /// The plane of PX4's simulator with its default parameters: 10 to 20 m/s, cruise 15 m/s, banks of 50 degrees.
     ///
-    /// The time constants were fitted to the steps of a PX4 1.18 in Guided Course (course 30 to 90 degrees, speed 3 m/s,
-    /// altitude 20 m); it climbs and sinks at the rates of FW_T_CLMB_R_SP and FW_T_SINK_R_SP.
+    /// The time constants were fitted to the steps of a PX4 1.18 in Guided Course (course 30 to 90 degrees, speed 3
+    /// m/s, altitude 20 m); it climbs and sinks at the rates of FW_T_CLMB_R_SP and FW_T_SINK_R_SP.
     pub fn px4_plane() -> Self {
         Self {
             dynamics: Dynamics {

@@ -51,15 +51,15 @@ pub fn ahrs() -> ArduPilotMessage {
     ArduPilotMessage::new(AHRS, 28, std::iter::empty())
 }
 
-/// AHRS2 (<https://mavlink.io/en/messages/ardupilotmega.html#AHRS2>): roll, pitch and yaw in rad, m above sea level, latitude
-/// and longitude in 1e-7 degrees.
+/// AHRS2 (<https://mavlink.io/en/messages/ardupilotmega.html#AHRS2>): roll, pitch and yaw in rad, m above sea level,
+/// latitude and longitude in 1e-7 degrees.
 pub fn ahrs2(attitude_rad: [f64; 3], altitude_amsl_m: f64, place_e7: [i32; 2]) -> ArduPilotMessage {
     let [roll, pitch, yaw] = attitude_rad;
     ArduPilotMessage::new(AHRS2, 24, floats([roll, pitch, yaw, altitude_amsl_m]).chain(ints(place_e7)))
 }
 
-/// SIMSTATE (<https://mavlink.io/en/messages/ardupilotmega.html#SIMSTATE>): the truth of a simulation: roll, pitch and yaw in
-/// rad, specific force in m/s2, rates in rad/s, latitude and longitude in 1e-7 degrees.
+/// SIMSTATE (<https://mavlink.io/en/messages/ardupilotmega.html#SIMSTATE>): the truth of a simulation: roll, pitch and
+/// yaw in rad, specific force in m/s2, rates in rad/s, latitude and longitude in 1e-7 degrees.
 pub fn simstate(
     attitude_rad: [f64; 3],
     force_mps2: [f64; 3],
@@ -75,7 +75,8 @@ pub fn hwstatus(supply_mv: u16) -> ArduPilotMessage {
     ArduPilotMessage::new(HWSTATUS, 3, supply_mv.to_le_bytes().into_iter())
 }
 
-/// AOA_SSA (<https://mavlink.io/en/messages/ardupilotmega.html#AOA_SSA>): the angles of attack and of sideslip, degrees.
+/// AOA_SSA (<https://mavlink.io/en/messages/ardupilotmega.html#AOA_SSA>): the angles of attack and of sideslip,
+/// degrees.
 pub fn aoa_ssa(time: Duration, angles_deg: [f64; 2]) -> ArduPilotMessage {
     let micros = u64::try_from(time.as_micros()).unwrap_or(u64::MAX).to_le_bytes();
     ArduPilotMessage::new(AOA_SSA, 16, micros.into_iter().chain(floats(angles_deg)))
@@ -155,7 +156,10 @@ mod tests {
     const WIND_1: &str = "fe0c000101a80000b4c20000c040000000007b7d";
     const EKF_2: &str = "fd160000000101c1000000000000000000000000000000000000000000003f031e87";
     const AHRS2_2: &str = "fd180000000101b200000000803f000000c00000003f0000a042c076d417fbffffff9fbe";
-    const SIMSTATE_2: &str = "fd2c0000000101a400000000803f0000004000004040000080400000a0400000c0400000e0400000004100001041c076d417fbffffff9e27";
+    const SIMSTATE_2: &str = concat!(
+        "fd2c0000000101a400000000803f0000004000004040000080400000a0400000c0400000e0400000",
+        "004100001041c076d417fbffffff9e27"
+    );
     const HWSTATUS_2: &str = "fd020000000101a5000088134e25";
     const AOA_2: &str = "fd1000000001010c2b0060e31600000000000000803f000080bf0796";
     const MEMINFO_2: &str = "fd0600000001019800000000ffffffff7a7a";

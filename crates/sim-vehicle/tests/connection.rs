@@ -148,7 +148,8 @@ fn files_and_logs_are_refused_at_once() {
 #[test]
 fn what_other_components_would_know_is_refused() {
     let mut client = Client::new(quiet());
-    // CAMERA_INFORMATION and GIMBAL_MANAGER_INFORMATION: as by a real one they are accepted, and nothing comes but words.
+    // CAMERA_INFORMATION and GIMBAL_MANAGER_INFORMATION: as by a real one they are accepted, and nothing comes but
+    // words.
     for (id, what) in [(259.0, "camera"), (280.0, "gimbal")] {
         let answer = client.ask(&long(TARGET, MavCmd::MAV_CMD_REQUEST_MESSAGE, [id, 0.0, 0.0]));
         assert_eq!(acknowledgement(&answer).unwrap().result, MavResult::MAV_RESULT_ACCEPTED);

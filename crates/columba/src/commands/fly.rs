@@ -1,7 +1,7 @@
 //! `columba fly`: the controller, against whatever answers.
 //!
-//! In real time by the ground station ([`crate::station`]); in lockstep, and beyond one network of vehicles, by the tick loop that
-//! `columba run` has too.
+//! In real time by the ground station ([`crate::station`]); in lockstep, and beyond one network of vehicles, by the
+//! tick loop that `columba run` has too.
 
 use super::{Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal};
 use crate::args::{Cli, FlyArgs};
@@ -35,7 +35,8 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
         || scenario.link.setpoints == SetpointDialect::LocalNed;
     if by_tick_loop && !args.station.link.is_empty() {
         return Err(anyhow!(
-            "--link: must be left out with --lockstep, with more than {NETWORK_VEHICLES_MAX} vehicles, and with [link] setpoints"
+            "--link: must be left out with --lockstep, with more than {NETWORK_VEHICLES_MAX} vehicles, and with [link] \
+             setpoints"
         )
         .into());
     }

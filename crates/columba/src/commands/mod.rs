@@ -91,7 +91,8 @@ fn block_on<T>(future: impl Future<Output = anyhow::Result<T>>) -> anyhow::Resul
         .block_on(future)
 }
 
-/// The run's folder, tried before the flight. Made last of all that can be refused, so that nothing is left of a run that is.
+/// The run's folder, tried before the flight. Made last of all that can be refused, so that nothing is left of a run
+/// that is.
 fn open_folder(scenario: &Scenario, args: &FolderArgs) -> anyhow::Result<RunFolder> {
     let occupied = occupied(scenario.provenance.is_of_command_line("output.folder"), args.force);
     RunFolder::open(&scenario.folder, occupied)

@@ -64,8 +64,8 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The flags' layers, and beneath them what makes vehicles planes that are not the paper's five: those of a count, a swarm
-/// file, or the ports of an autopilot, for which scripts ask for an autopilot's speeds.
+/// The flags' layers, and beneath them what makes vehicles planes that are not the paper's five: those of a count, a
+/// swarm file, or the ports of an autopilot, for which scripts ask for an autopilot's speeds.
 fn with_planes(flags: &[Layer]) -> Vec<Layer> {
     let written = |key: &str| config::written(flags, key);
     let has_number = written("vehicles.count").is_some() || written("vehicles.file").is_some();

@@ -28,8 +28,8 @@ pub fn census(plan: &Plan, flown: &Flown) -> Census {
     Census { asked: keys.len(), flown: there, others: flown.len() - there }
 }
 
-/// Flies what is not flown yet and adds it to the journal and to `flown`. When it returns without an error, all is flown or
-/// `stop` is true.
+/// Flies what is not flown yet and adds it to the journal and to `flown`. When it returns without an error, all is
+/// flown or `stop` is true.
 pub fn fly(plan: &Plan, journal: Journal, flown: &mut Flown, crew: &Crew) -> anyhow::Result<()> {
     let mut seen = HashSet::new();
     let left: Vec<Planned> = plan

@@ -45,8 +45,8 @@ struct Line<S> {
 }
 
 impl Journal {
-    /// Opens a folder's journal, or begins one, and reads what is in it. A line that cannot be read, such as the last one
-    /// of a program that was killed while it wrote, is none: its flight will be flown again.
+    /// Opens a folder's journal, or begins one, and reads what is in it. A line that cannot be read, such as the last
+    /// one of a program that was killed while it wrote, is none: its flight will be flown again.
     ///
     /// # Errors
     /// Another process has it open, or the system refuses.
@@ -70,7 +70,8 @@ impl Journal {
         Ok((Self { file, path }, flown))
     }
 
-    /// Adds a flight, and gives it back as the journal will: so a comparison does not depend on when it was interrupted.
+    /// Adds a flight, and gives it back as the journal will: so a comparison does not depend on when it was
+    /// interrupted.
     ///
     /// # Errors
     /// The system refuses.

@@ -1,8 +1,8 @@
 //! Comparing optimisers and settings over many flights: the paper's Table 1 and Fig. 2 to 4.
 //!
-//! A [`Plan`] says which flights; [`campaign`] flies those that the [`Journal`] does not hold yet; [`results`] sums them up
-//! by [`statistics`]; `parquet.rs`, `tables.rs`, `table_files.rs`, `boxes.rs` and `report.rs` write what people and scripts
-//! read.
+//! A [`Plan`] says which flights; [`campaign`] flies those that the [`Journal`] does not hold yet; [`results`] sums
+//! them up by [`statistics`]; `parquet.rs`, `tables.rs`, `table_files.rs`, `boxes.rs` and `report.rs` write what people
+//! and scripts read.
 
 mod boxes;
 pub mod campaign;

@@ -217,8 +217,8 @@ fn of_table(table: &Table, class: &str) -> String {
 fn of_drawing(Drawing { file, title, svg }: &Drawing) -> String {
     format!(
         "    <figure id=\"{file}\">\n      <h4>{}</h4>\n{svg}      <figcaption>\
-         <a href=\"figures/{file}.svg\" download>SVG</a> <a href=\"figures/{file}.png\" download>PNG</a></figcaption>\n    \
-         </figure>\n",
+         <a href=\"figures/{file}.svg\" download>SVG</a> <a href=\"figures/{file}.png\" \
+         download>PNG</a></figcaption>\n    </figure>\n",
         escape(title)
     )
 }

@@ -54,9 +54,9 @@ pub fn median(values: &[f64]) -> Option<f64> {
     Some(if lower == upper { upper } else { 0.5 * (lower + upper) })
 }
 
-/// A 95 % interval of the median whatever the distribution: the k-th value from below and from above, with the greatest k
-/// for which a fair coin falls on one side fewer than k times of n with a probability of at most 2.5 %. None of fewer than
-/// six values, which are too few for any.
+/// A 95 % interval of the median whatever the distribution: the k-th value from below and from above, with the greatest
+/// k for which a fair coin falls on one side fewer than k times of n with a probability of at most 2.5 %. None of fewer
+/// than six values, which are too few for any.
 pub fn median_interval(values: &[f64]) -> Option<Interval> {
     let sorted = sorted(values);
     let n = sorted.len();

@@ -163,10 +163,10 @@ fn ranks(outcome: &Outcome<'_>) -> Option<Table> {
     Some(Table {
         title: format!("Rank tests against {against}"),
         note: format!(
-            "Two-sided Mann-Whitney U tests with corrections for ties and continuity; what never came ties behind all. p \
-             is corrected over the contenders by Holm's method. A is the share of pairs of flights in which the \
-             contender's is better than {against}'s, ties counting one half (Vargha and Delaney): 0.5 is no difference. \
-             A verdict needs a corrected p below {SIGNIFICANT}."
+            "Two-sided Mann-Whitney U tests with corrections for ties and continuity; what never came ties behind all. \
+             p is corrected over the contenders by Holm's method. A is the share of pairs of flights in which the \
+             contender's is better than {against}'s, ties counting one half (Vargha and Delaney): 0.5 is no \
+             difference. A verdict needs a corrected p below {SIGNIFICANT}."
         ),
         head: words(&["measure", "contender", "U", "p", "p (Holm)", "A", "verdict"]),
         rows: outcome.comparisons.iter().map(row).collect(),

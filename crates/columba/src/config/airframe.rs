@@ -1,5 +1,5 @@
-//! Airframes: what `[dynamics]` and the vehicles' cruise start from. One by its name, a file of one's own, or a table in the
-//! scenario.
+//! Airframes: what `[dynamics]` and the vehicles' cruise start from. One by its name, a file of one's own, or a table
+//! in the scenario.
 
 use super::locate::line_at;
 use flight_model::{Airframe, Limits, TimeConstants};

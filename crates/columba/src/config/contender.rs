@@ -145,7 +145,8 @@ pub fn refuse_reserved(layers: &[Layer]) -> Result<(), ConfigError> {
 }
 
 impl Entry {
-    /// A scenario file (the paper's flight where no path is given) with changes for all contenders, and with each of these.
+    /// A scenario file (the paper's flight where no path is given) with changes for all contenders, and with each of
+    /// these.
     ///
     /// # Errors
     /// The scenario is wrong, or a contender of it.

@@ -71,7 +71,8 @@ pub struct ScenarioFile {
     pub output: OutputTable,
 }
 
-/// Which reading of the paper the law, the weights and the look-ahead start from; the tables of the file then change it.
+/// Which reading of the paper the law, the weights and the look-ahead start from; the tables of the file then change
+/// it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {

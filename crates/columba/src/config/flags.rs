@@ -1,6 +1,7 @@
 //! Flags that stand in for keys of the scenario file: one row for each, and `--set` for every key.
 //!
-//! What the command line says lies over the file: first `--set`, in the order in which it was written, then these flags.
+//! What the command line says lies over the file: first `--set`, in the order in which it was written, then these
+//! flags.
 
 use super::Preset;
 use super::file::{Pattern, PortsKey};
@@ -113,7 +114,8 @@ const FLAGS: &[Flag] = &[
         key: "output.folder",
         kind: Kind::Text,
         value: "FOLDER",
-        help: "Folder of the run, new or empty; default: runs/ and the scenario's name, with a number if that is not empty",
+        help: "Folder of the run, new or empty; default: runs/ and the scenario's name, with a number if that is not \
+               empty",
         commands: &[RUN, FLY],
         ..FLAG
     },
@@ -122,8 +124,8 @@ const FLAGS: &[Flag] = &[
         key: "vehicles.file",
         kind: Kind::Text,
         value: "FILE",
-        help: "Starts from a file with a line instance=east,north,up,heading for each vehicle, as ArduPilot's swarminit.txt; \
-               with --count only the first N",
+        help: "Starts from a file with a line instance=east,north,up,heading for each vehicle, as ArduPilot's \
+               swarminit.txt; with --count only the first N",
         commands: &[VEHICLES],
         also: "vehicles.pattern = \"file\"",
         removes: &["vehicles.count"],
@@ -153,8 +155,9 @@ const FLAGS: &[Flag] = &[
         key: "airframe",
         kind: Kind::Text,
         value: "NAME|FILE",
-        help: "What the vehicles fly like: plane (the stock plane of the simulated autopilot), paper (5 to 15 m/s), or a file \
-               with a table [airframe]. Default: paper with a scenario, in lockstep and for the paper's five; plane otherwise",
+        help: "What the vehicles fly like: plane (the stock plane of the simulated autopilot), paper (5 to 15 m/s), or \
+               a file with a table [airframe]. Default: paper with a scenario, in lockstep and for the paper's five; \
+               plane otherwise",
         commands: &[VEHICLES],
         ..FLAG
     },
@@ -163,8 +166,8 @@ const FLAGS: &[Flag] = &[
         key: "parameters.files",
         kind: Kind::Files,
         value: "FILE",
-        help: "Parameter file of ArduPilot, PX4 or a ground station: the vehicles start with its values. Parameters that they \
-               do not use are kept for clients. May be given several times; the last value of a name counts",
+        help: "Parameter file of ArduPilot, PX4 or a ground station: the vehicles start with its values. Parameters \
+               that they do not use are kept for clients. May be given several times; the last value of a name counts",
         commands: &[VEHICLES],
         ..FLAG
     },
@@ -200,7 +203,8 @@ const FLAGS: &[Flag] = &[
         key: "link.host",
         kind: Kind::Text,
         value: "ADDRESS",
-        help: "IP address of this machine to which all sockets bind; 0.0.0.0 is all of them, for clients on other machines",
+        help: "IP address of this machine to which all sockets bind; 0.0.0.0 is all of them, for clients on other \
+               machines",
         commands: &[RUN, FLY, VEHICLES],
         ..FLAG
     },
@@ -208,7 +212,8 @@ const FLAGS: &[Flag] = &[
         name: "vehicle-port",
         key: "link.vehicle_port",
         value: "PORT",
-        help: "First UDP port of the vehicles; 0: any free ports. Default: 14600 in real time, any free ports in lockstep",
+        help: "First UDP port of the vehicles; 0: any free ports. Default: 14600 in real time, any free ports in \
+               lockstep",
         commands: &[RUN],
         ..FLAG
     },
@@ -224,7 +229,8 @@ const FLAGS: &[Flag] = &[
         name: "vehicle-port",
         key: "link.vehicle_port",
         value: "PORT",
-        help: "First UDP port of the vehicles: the controller greets them there, instead of waiting for their telemetry",
+        help: "First UDP port of the vehicles: the controller greets them there, instead of waiting for their \
+               telemetry",
         commands: &[FLY],
         ..FLAG
     },
@@ -247,8 +253,8 @@ const FLAGS: &[Flag] = &[
         name: "ground-port",
         key: "link.ground_port",
         value: "PORT",
-        help: "UDP port to which telemetry is sent, the next one for each further network of 250 vehicles; 0: none, only \
-               clients that connect get telemetry. Default: 14550",
+        help: "UDP port to which telemetry is sent, the next one for each further network of 250 vehicles; 0: none, \
+               only clients that connect get telemetry. Default: 14550",
         commands: &[VEHICLES],
         ..FLAG
     },
@@ -257,15 +263,16 @@ const FLAGS: &[Flag] = &[
         key: "link.ports",
         kind: Kind::Choice(port_names),
         value: "LAYOUT",
-        help: "Ports that the vehicles have: columba (UDP 14600 and up), ardupilot (TCP 5760 + 10 i, telemetry to UDP 14550 + \
-               10 i), px4 (UDP 14580 + i to 14540 + i, and 18570 + i to 14550)",
+        help: "Ports that the vehicles have: columba (UDP 14600 and up), ardupilot (TCP 5760 + 10 i, telemetry to UDP \
+               14550 + 10 i), px4 (UDP 14580 + i to 14540 + i, and 18570 + i to 14550)",
         commands: &[VEHICLES],
         ..FLAG
     },
     Flag {
         name: "instance",
         key: "link.instance",
-        help: "With an autopilot's ports, the instance i of the first vehicle, as ArduPilot's -I and PX4's -i. Default: 0",
+        help: "With an autopilot's ports, the instance i of the first vehicle, as ArduPilot's -I and PX4's -i. \
+               Default: 0",
         commands: &[VEHICLES],
         ..FLAG
     },
@@ -273,7 +280,8 @@ const FLAGS: &[Flag] = &[
         name: "multicast",
         key: "link.multicast",
         kind: Kind::Switch,
-        help: "Vehicles are members of the multicast group 239.255.145.50:14550 too, as with ArduPilot's and pymavlink's mcast:",
+        help: "Vehicles are members of the multicast group 239.255.145.50:14550 too, as with ArduPilot's and \
+               pymavlink's mcast:",
         commands: &[VEHICLES],
         conflicts: &["lockstep"],
         ..FLAG
@@ -340,7 +348,10 @@ fn set() -> Arg {
         .action(ArgAction::Append)
         .value_parser(|text: &str| setting(text).map(|_| text.to_owned()))
         .help_heading(HEADING)
-        .help("Sets any key of docs/scenario.md, as look_ahead.horizon_s=1.5; may be given several times, the last counts")
+        .help(
+            "Sets any key of docs/scenario.md, as look_ahead.horizon_s=1.5; may be given several times, the last \
+               counts",
+        )
 }
 
 /// What a subcommand's arguments lay over the scenario, the lowest layer first.

@@ -97,7 +97,8 @@ impl Layer {
         Self { origin, document, path: String::new(), table, removes: &[], raw: None }
     }
 
-    /// One `table` of a file of contenders, which stands at `path` in its document, without the keys that are no settings.
+    /// One `table` of a file of contenders, which stands at `path` in its document, without the keys that are no
+    /// settings.
     pub(super) fn of_table(origin: Origin, document: Document<String>, path: &str, table: &Table) -> Self {
         Self { origin, document, path: path.to_owned(), table: movable(table), removes: &[], raw: None }
     }

@@ -1,10 +1,9 @@
 //! Scenario files: read, checked, and turned into what flies.
 //!
-//! `file.rs` is the file as written, `check/` its rules; `swarm.rs` a file of starts, `parameters.rs`
-//! parameter files. Presets, flags and contenders are
-//! layers over the file: `layer.rs` is one of them, `provenance.rs` all of them together, `flags.rs` says which flag sets
-//! which key, `contender.rs` reads those of a comparison. `source.rs`, `locate.rs`, `fault.rs` and `diagnostics.rs` say
-//! what is wrong, and where.
+//! `file.rs` is the file as written, `check/` its rules; `swarm.rs` a file of starts, `parameters.rs` parameter files.
+//! Presets, flags and contenders are layers over the file: `layer.rs` is one of them, `provenance.rs` all of them
+//! together, `flags.rs` says which flag sets which key, `contender.rs` reads those of a comparison. `source.rs`,
+//! `locate.rs`, `fault.rs` and `diagnostics.rs` say what is wrong, and where.
 
 mod airframe;
 mod check;
@@ -44,8 +43,8 @@ pub const PAPER: &str = include_str!("../../../../config/paper.toml");
 /// The name under which messages speak of [`PAPER`].
 pub const PAPER_NAME: &str = "config/paper.toml (built in)";
 
-/// Reads and checks a scenario file, or the paper's flight where no path is given, with layers over it: the last one is the
-/// topmost.
+/// Reads and checks a scenario file, or the paper's flight where no path is given, with layers over it: the last one is
+/// the topmost.
 ///
 /// # Errors
 /// One [`ConfigError`] that names every fault by file, line, key, value and what would be right, or by its layer.
@@ -96,8 +95,8 @@ fn parse(source: &Source, over: &[Layer]) -> Result<Scenario, ConfigError> {
     scenario(file, provenance)
 }
 
-/// The file with layers over it, every setting of which is in its range. Everything that is wrong is told at once: that no
-/// two vehicles start in one place, too.
+/// The file with layers over it, every setting of which is in its range. Everything that is wrong is told at once: that
+/// no two vehicles start in one place, too.
 fn tables(source: &Source, over: &[&Layer]) -> Result<(ScenarioFile, Provenance), ConfigError> {
     let Parsed { document, errors } = source.parsed();
     let Some(document) = document else { return Err(ConfigError::in_order(errors)) };

@@ -69,8 +69,8 @@ fn offsets(table: &PatternTable, seed: u64) -> Vec<Vector2<f64>> {
     }
 }
 
-/// Places in a square, no two nearer than `apart_m`: at half the grid's spacing a square as large as the grid's is never
-/// crowded, so that throwing again always ends.
+/// Places in a square, no two nearer than `apart_m`: at half the grid's spacing a square as large as the grid's is
+/// never crowded, so that throwing again always ends.
 fn random(count: usize, side_m: f64, apart_m: f64, seed: u64) -> Vec<Vector2<f64>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut places: Vec<Vector2<f64>> = Vec::with_capacity(count);

@@ -69,8 +69,8 @@ impl Provenance {
         }))
     }
 
-    /// The airframe that the topmost layer with one names, and how messages call it; none for the paper's and for what is
-    /// none.
+    /// The airframe that the topmost layer with one names, and how messages call it; none for the paper's and for what
+    /// is none.
     fn airframe_of_its_own(&self) -> Option<(String, Airframe)> {
         /// All that an airframe depends on.
         #[derive(serde::Deserialize)]
@@ -92,7 +92,8 @@ impl Provenance {
         Some((airframe.name().to_owned(), flown))
     }
 
-    /// The layer of the preset that the topmost layer with one names; none for the defaults and for names that are none.
+    /// The layer of the preset that the topmost layer with one names; none for the defaults and for names that are
+    /// none.
     fn preset(&self) -> Option<Layer> {
         let document = self.merged();
         let name = document.get("preset").and_then(Item::as_str)?;
@@ -122,8 +123,8 @@ impl Provenance {
         merged
     }
 
-    /// All layers as a value of `T`. Every unknown key, wrong type and missing key is a fault; the value then has something
-    /// else in their place, so that the rest can be checked. None where there is no such value.
+    /// All layers as a value of `T`. Every unknown key, wrong type and missing key is a fault; the value then has
+    /// something else in their place, so that the rest can be checked. None where there is no such value.
     pub(super) fn read<T: DeserializeOwned>(&self, faults: &mut Faults) -> Option<T> {
         let mut document = self.merged();
         layer::make_explicit(document.as_table_mut());

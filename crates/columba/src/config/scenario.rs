@@ -44,7 +44,8 @@ pub struct Scenario {
     pub optimizer: OptimizerSettings,
     /// What vehicles do beside flying.
     pub autopilot: AutopilotTable,
-    /// Parameter files widen the limits of the dynamics: they are of the vehicle that is to be flown, and not the paper's.
+    /// Parameter files widen the limits of the dynamics: they are of the vehicle that is to be flown, and not the
+    /// paper's.
     pub files_shape_limits: bool,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,

@@ -91,8 +91,8 @@ impl Source {
         &self.text
     }
 
-    /// The file as TOML. Lines that are none are told, and left out with what depends on them, so that the others can be
-    /// checked too.
+    /// The file as TOML. Lines that are none are told, and left out with what depends on them, so that the others can
+    /// be checked too.
     pub fn parsed(&self) -> Parsed {
         let mut lines: Vec<&str> = self.text.split('\n').collect();
         let mut errors = Vec::new();

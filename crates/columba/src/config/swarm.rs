@@ -1,6 +1,6 @@
 //! Swarm files: starts of many vehicles, in the form of ArduPilot's `Tools/autotest/swarminit.txt`, which its
-//! `sim_vehicle.py --swarm` reads: `instance=east,north,up,heading`, the first three in metres from home, the heading in
-//! degrees; what follows a `#` is not read.
+//! `sim_vehicle.py --swarm` reads: `instance=east,north,up,heading`, the first three in metres from home, the heading
+//! in degrees; what follows a `#` is not read.
 
 use super::source::{ConfigError, Source};
 use flight_model::{State, wrap_pi};

@@ -328,7 +328,8 @@ fn a_value_from_the_command_line_is_blamed_on_its_flag() {
         ("run --set laws.gain=1", "--set laws.gain=1: laws: unknown key: did you mean law?"),
         (
             "run --set scenario.origin={latitude_deg=99}",
-            "--set scenario.origin={latitude_deg=99}: scenario.origin.latitude_deg = 99: must be a number from -85 to 85",
+            "--set scenario.origin={latitude_deg=99}: scenario.origin.latitude_deg = 99: must be a number from -85 to \
+             85",
         ),
     ] {
         let message = message(arguments);
@@ -353,8 +354,10 @@ fn a_fault_that_a_layer_makes_of_the_file_names_both() {
     let message = load_text(GOOD, &over).expect_err("refused");
     assert_eq!(
         message,
-        "field.toml:6: with --set dynamics.speed_max_mps=9.5: flock.expected_speed_mps = 10.0: must be a number from 5 to 9.5\n\
-         field.toml:13: with --set dynamics.speed_max_mps=9.5: vehicle[1].speed_mps = 10.0: must be a number from 5 to 9.5"
+        "field.toml:6: with --set dynamics.speed_max_mps=9.5: flock.expected_speed_mps = 10.0: must be a number from 5 \
+         to 9.5\n\
+         field.toml:13: with --set dynamics.speed_max_mps=9.5: vehicle[1].speed_mps = 10.0: must be a number from 5 to \
+         9.5"
     );
 }
 
@@ -406,18 +409,21 @@ fn a_value_of_a_preset_is_told_as_the_presets() {
     let message = load_text(GOOD, &flags("run --preset paper --set weights.min=50")).expect_err("refused");
     assert_eq!(
         message,
-        "field.toml: with --set weights.min=50: weights.max = 3.0 (by preset \"paper\"): must be a number greater than 50 \
-         and at most 100"
+        "field.toml: with --set weights.min=50: weights.max = 3.0 (by preset \"paper\"): must be a number greater than \
+         50 and at most 100"
     );
 }
 
 /// Faults of every kind in one file: each is told, and nothing that follows from another.
 #[test]
 fn every_fault_of_a_file_is_told() {
-    let text = "[scenario]\nduration_s = \"long\"\nseeed = 3\n\n[flock]\nexpected_speed_mps = 10.0\n\n[[vehicle]]\nx_m = 0\n\
-                y_m = 0\naltitude_m = 50\nspeed_mps = 99\n[[vehicle]]\nx_m = 40\ny_m = 0\naltitude_m = 50\nspeed_mps = 10\n\
+    let text = "[scenario]\nduration_s = \"long\"\nseeed = 3\n\n[flock]\nexpected_speed_mps = 10.0\n\n[[vehicle]]\n\
+                x_m = 0\n\
+                y_m = 0\naltitude_m = 50\nspeed_mps = 99\n[[vehicle]]\nx_m = 40\ny_m = 0\naltitude_m = 50\n\
+                speed_mps = 10\n\
                 [[vehicle]]\nx_m = 40.5\ny_m = 0\naltitude_m = 50\nspeed_mps = 10\n[[obstacle]]\nx_m = 1\ny_m = true\n\
-                [optimizer]\nmslpio = { velocity_limit = 7, social_coefficient = -1 }\n[link]\nhost = 3\nloss = 2\n[law]\n\
+                [optimizer]\nmslpio = { velocity_limit = 7, social_coefficient = -1 }\n[link]\nhost = 3\nloss = 2\n\
+                [law]\n\
                 obstacle_rule = \"any\"\n[parameters]\nNO_SUCH = 1\n[lnk]\nx = 1\n";
     let message = refusal_of(text);
     let told: Vec<(usize, &str)> = message

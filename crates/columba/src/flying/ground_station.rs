@@ -68,8 +68,8 @@ pub enum FlightError {
 pub struct GroundSettings {
     /// In real time, a vehicle in flight that is silent for this long is warned of, and carried forward no further, s.
     pub silence_s: f64,
-    /// Vehicles without a position, or that refuse a command, are given up after this before the flight, s; none: 15 in real
-    /// time, 20 in lockstep.
+    /// Vehicles without a position, or that refuse a command, are given up after this before the flight, s; none: 15 in
+    /// real time, 20 in lockstep.
     pub patience_s: Option<f64>,
 }
 
@@ -163,8 +163,8 @@ impl GroundStation {
         self.started.elapsed()
     }
 
-    /// Waits for a datagram, logs its frames at `at_us`, and tells what each brought. A frame that comes again, byte for
-    /// byte, is logged once. Cancel safe.
+    /// Waits for a datagram, logs its frames at `at_us`, and tells what each brought. A frame that comes again, byte
+    /// for byte, is logged once. Cancel safe.
     pub async fn recv(&mut self, at_us: u64, news: &mut Vec<FleetEvent>) -> Result<(), LinkError> {
         let from = self.link.recv(&mut self.received).await?;
         let now = self.started.elapsed();
@@ -219,8 +219,8 @@ impl GroundStation {
         self.engage(patience, at_us).await
     }
 
-    /// Waits until every vehicle has said where it is. Those that are silent and whose address is known are spoken to: a
-    /// vehicle answers who speaks to it, though it may have been told of no ground station.
+    /// Waits until every vehicle has said where it is. Those that are silent and whose address is known are spoken to:
+    /// a vehicle answers who speaks to it, though it may have been told of no ground station.
     async fn muster(&mut self, patience: Duration, at_us: u64) -> Result<(), FlightError> {
         let deadline = Instant::now() + patience;
         let mut news = Vec::new();
@@ -246,7 +246,8 @@ impl GroundStation {
                     self.send(vehicle, &[ground_heartbeat()], at_us).await;
                 },
                 () = tokio::time::sleep_until(deadline) => {
-                    return Err(FlightError::Silent { address: self.address()?, missing: silent(self), waited: patience });
+                    let (address, missing) = (self.address()?, silent(self));
+                    return Err(FlightError::Silent { address, missing, waited: patience });
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! A world over real MAVLink in simulated time.
 //!
-//! A vehicle at time t moves on to t + T only when it has the setpoint stamped t. Until then it repeats where it is, and
-//! the controller answers each repetition with the setpoint again. So nothing that the network does, and no load of the
-//! machine, can change a flight: it can only take longer.
+//! A vehicle at time t moves on to t + T only when it has the setpoint stamped t. Until then it repeats where it is,
+//! and the controller answers each repetition with the setpoint again. So nothing that the network does, and no load of
+//! the machine, can change a flight: it can only take longer.
 
 use super::vehicles::LOCKSTEP_EPOCH_US;
 use super::{FlightError, GroundStation, GroundTruth, Interval, Log, World};

@@ -3,8 +3,8 @@
 use crate::record::{RecordError, RunFolder};
 use mavlink_bridge::{Counters, TlogWriter, frames};
 
-/// Every MAVLink frame of a flight, as a tlog in memory until the flight is over: a minute of five vehicles is two thirds
-/// of a megabyte.
+/// Every MAVLink frame of a flight, as a tlog in memory until the flight is over: a minute of five vehicles is two
+/// thirds of a megabyte.
 pub struct Log {
     tlog: TlogWriter<Vec<u8>>,
 }

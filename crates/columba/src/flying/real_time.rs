@@ -1,7 +1,7 @@
 //! A world over real MAVLink in real time: the wall clock, or k times it.
 //!
-//! Every control period each vehicle's last known position is carried forward to the present, the flock decides, and the
-//! setpoints go out. A setpoint that is lost is not repeated: the next period sends a new one.
+//! Every control period each vehicle's last known position is carried forward to the present, the flock decides, and
+//! the setpoints go out. A setpoint that is lost is not repeated: the next period sends a new one.
 
 use super::vehicles::unix_us;
 use super::{FlightError, GroundStation, GroundTruth, Interval, Log, World};
@@ -16,7 +16,8 @@ use tokio::time::Instant;
 
 /// Vehicles whose position stays unknown for this long before the flight are given up.
 const MUSTER_PATIENCE: Duration = Duration::from_secs(15);
-/// Bank is left to the autopilot's own limit: ArduPlane takes the lateral acceleration's limit in m/s2 with each heading.
+/// Bank is left to the autopilot's own limit: ArduPlane takes the lateral acceleration's limit in m/s2 with each
+/// heading.
 const LATERAL_ACCELERATION_MPS2: f64 = 50.0;
 
 /// Vehicles that keep their own time, behind a link.

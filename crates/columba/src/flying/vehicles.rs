@@ -22,8 +22,8 @@ pub fn network(index: usize) -> usize {
     index / NETWORK_VEHICLES_MAX + 1
 }
 
-/// The address at which a client on this machine finds a socket that is bound to `address`: that of all interfaces is none
-/// to send to.
+/// The address at which a client on this machine finds a socket that is bound to `address`: that of all interfaces is
+/// none to send to.
 pub fn reachable(address: SocketAddr) -> SocketAddr {
     let host = match address.ip() {
         IpAddr::V4(host) if host.is_unspecified() => IpAddr::V4(Ipv4Addr::LOCALHOST),
@@ -92,8 +92,8 @@ pub fn led_vehicle_settings(
     vehicles.map(|settings| VehicleSettings { personality, ..settings }).collect()
 }
 
-/// The clock of a scenario's vehicles and what it shows at time zero, in microseconds since the Unix epoch: `speed` times
-/// the wall clock, or simulated time where there is no speed.
+/// The clock of a scenario's vehicles and what it shows at time zero, in microseconds since the Unix epoch: `speed`
+/// times the wall clock, or simulated time where there is no speed.
 pub fn clock(scenario: &Scenario, speed: Option<f64>) -> (Clock, u64) {
     match speed {
         Some(speed) => (Clock::RealTime { speed, tick: Duration::from_millis(5) }, unix_us()),

@@ -11,8 +11,9 @@ use std::time::{Duration, Instant};
 
 /// Vehicles that can be seen and commanded, and their clock.
 ///
-/// [`fly`] calls `prepare` once; then, for each control period, `send` and `advance`; then `close`. It drops the future of
-/// `prepare`, `send` or `advance` when the flight is interrupted, and calls only `states`, `now` and `close` after that.
+/// [`fly`] calls `prepare` once; then, for each control period, `send` and `advance`; then `close`. It drops the future
+/// of `prepare`, `send` or `advance` when the flight is interrupted, and calls only `states`, `now` and `close` after
+/// that.
 pub trait World {
     /// The name of this kind of world in `summary.json`.
     fn transport(&self) -> &'static str;
@@ -29,7 +30,8 @@ pub trait World {
     /// The states of all vehicles as the controller knows them; the planned starts before the first are known.
     fn states(&self) -> &[State];
 
-    /// The states at time zero by which the flight is judged: those that the controller knows, unless better ones exist.
+    /// The states at time zero by which the flight is judged: those that the controller knows, unless better ones
+    /// exist.
     fn starts(&self) -> Vec<State> {
         self.states().to_vec()
     }

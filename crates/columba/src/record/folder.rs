@@ -19,9 +19,9 @@ pub enum Occupied {
     Overwrite,
 }
 
-/// A folder that exists and can be written into. A file in it is whole or absent: its bytes go to a temporary name beside
-/// it, which is then renamed over whatever an older run left there. The name is the process's own, so that two runs into
-/// one folder do not take each other's files away: the last to end stays.
+/// A folder that exists and can be written into. A file in it is whole or absent: its bytes go to a temporary name
+/// beside it, which is then renamed over whatever an older run left there. The name is the process's own, so that two
+/// runs into one folder do not take each other's files away: the last to end stays.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -51,7 +51,8 @@ impl RunFolder {
         Ok(Self { path, kept: None, _lock: None })
     }
 
-    /// The folder of a new run: `path`, made like [`RunFolder::create`], or what `occupied` says where it holds something.
+    /// The folder of a new run: `path`, made like [`RunFolder::create`], or what `occupied` says where it holds
+    /// something.
     ///
     /// # Errors
     /// The folder cannot be made or written into, or is occupied and is to be refused.

@@ -150,8 +150,8 @@ impl Frame {
         data.into_iter().map(|(x, y)| self.point(x, y)).collect()
     }
 
-    /// Draws grid, border, tick labels and axis labels. An empty x label leaves out the x tick labels, too: a chart below
-    /// has them.
+    /// Draws grid, border, tick labels and axis labels. An empty x label leaves out the x tick labels, too: a chart
+    /// below has them.
     pub fn draw(&self, drawing: &mut Drawing, x_label: &str, y_label: &str) {
         for tick in self.y.ticks() {
             let y = self.point(0.0, tick).1;

@@ -67,8 +67,8 @@ fn replay(flight: &Flight, stride: usize) -> String {
 fn figure(Figure { name, title, caption, svg }: &Figure) -> String {
     format!(
         "    <figure id=\"{name}\">\n      <h3>{}</h3>\n{svg}      <figcaption>{} \
-         <a href=\"figures/{name}.svg\" download>SVG</a> <a href=\"figures/{name}.png\" download>PNG</a></figcaption>\n    \
-         </figure>\n",
+         <a href=\"figures/{name}.svg\" download>SVG</a> <a href=\"figures/{name}.png\" \
+         download>PNG</a></figcaption>\n    </figure>\n",
         escape(title),
         escape(caption)
     )

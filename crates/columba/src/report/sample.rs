@@ -6,7 +6,8 @@ use flight_model::{Autopilot, Dynamics, Setpoint, State};
 const STEP_S: f64 = 0.05;
 const STEPS_PER_TICK: usize = 10;
 
-/// `vehicles` UAVs that weave northwards for `ticks` control periods of 0.5 s past the first `obstacles` of seven circles.
+/// `vehicles` UAVs that weave northwards for `ticks` control periods of 0.5 s past the first `obstacles` of seven
+/// circles.
 pub fn flight(vehicles: usize, obstacles: usize, ticks: usize) -> Flight {
     let circles =
         [(60., 36., 9.), (95., -40., 8.), (130., 24., 6.), (175., 38., 9.), (210., -35., 11.), (260., 26., 7.)];

@@ -242,7 +242,8 @@ mod tests {
             prop_assert_eq!(kept.first(), points.first());
             prop_assert_eq!(kept.last(), points.last());
             for &point in &points {
-                let nearest = kept.windows(2).map(|ends| squared_distance(point, ends[0], ends[1])).fold(f64::INFINITY, f64::min);
+                let distances = kept.windows(2).map(|ends| squared_distance(point, ends[0], ends[1]));
+                let nearest = distances.fold(f64::INFINITY, f64::min);
                 prop_assert!(nearest <= TOLERANCE_PX * TOLERANCE_PX + 1e-12);
             }
         }

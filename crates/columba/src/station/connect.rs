@@ -91,8 +91,8 @@ fn choose(station: &Station, settled: bool) -> Result<Option<Vec<u8>>, String> {
         count => {
             let ids: Vec<String> = heard.iter().map(u8::to_string).collect();
             Err(format!(
-                "{count} autopilots are heard, systems {}, and the scenario has {wanted} vehicles: name them in its order \
-                 (--systems {})",
+                "{count} autopilots are heard, systems {}, and the scenario has {wanted} vehicles: name them in its \
+                 order (--systems {})",
                 ids.join(", "),
                 ids[..wanted].join(",")
             ))

@@ -86,7 +86,8 @@ pub fn choose(
     }
     let there = first.map_or_else(String::new, |home| format!(", or --origin {}", words(&home)));
     Err(format!(
-        "vehicle {number} is {:.0} km from the origin {}: the scenario must be where the vehicles are (--origin home{there})",
+        "vehicle {number} is {:.0} km from the origin {}: the scenario must be where the vehicles are (--origin \
+         home{there})",
         distance_m * 1e-3,
         words(&frame.origin())
     ))
@@ -106,15 +107,17 @@ pub fn contradictions(frame: &LocalFrame, expected_altitude_m: f64, vehicles: &[
         }
         if let Some(off_m) = vehicle.contradiction_m().filter(|off_m| *off_m > CONTRADICTION_M) {
             faults.push(format!(
-                "vehicle {number} contradicts itself: its global and its local position, from its own origin, are {off_m:.0} m apart"
+                "vehicle {number} contradicts itself: its global and its local position, from its own origin, are \
+                 {off_m:.0} m apart"
             ));
         }
         if let Some(home) = vehicle.home
             && expected_amsl_m - home.altitude_amsl_m < HEIGHT_MIN_M
         {
             faults.push(format!(
-                "vehicle {number}: the expected altitude of {expected_altitude_m:.0} m above the origin is {expected_amsl_m:.0} m above \
-                 mean sea level, and its home is at {:.0} m: the origin's altitude must fit",
+                "vehicle {number}: the expected altitude of {expected_altitude_m:.0} m above the origin is \
+                 {expected_amsl_m:.0} m above mean sea level, and its home is at {:.0} m: the origin's altitude must \
+                 fit",
                 home.altitude_amsl_m
             ));
         }

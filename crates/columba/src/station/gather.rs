@@ -433,13 +433,24 @@ mod tests {
 
         #[test]
         fn from_anywhere_all_are_at_their_starts_together(
-            count in 1..7usize, heading in -3.0..3.0f64, x in -600.0..600.0f64, y in -600.0..600.0f64, turn in -3.0..3.0f64,
+            count in 1..7usize,
+            heading in -3.0..3.0f64,
+            (x, y) in (-600.0..600.0f64, -600.0..600.0f64),
+            turn in -3.0..3.0f64,
         ) {
             let starts = starts(count);
             let (sin, cos) = libm::sincos(turn);
             // Homes 60 m apart in a row, airborne at 45 m.
             let states: Vec<State> = (0..count)
-                .map(|k| State { x_m: x + 60.0 * k as f64 * cos, y_m: y + 60.0 * k as f64 * sin, altitude_m: 45.0, speed_mps: 20.0, course_rad: heading, climb_mps: 0.0 })
+                .map(|k| 60.0 * k as f64)
+                .map(|along_m| State {
+                    x_m: x + along_m * cos,
+                    y_m: y + along_m * sin,
+                    altitude_m: 45.0,
+                    speed_mps: 20.0,
+                    course_rad: heading,
+                    climb_mps: 0.0,
+                })
                 .collect();
             let (time_s, least_m, _, states) = gathered(&starts, states, &[]).expect("gathered");
             prop_assert!(time_s < 300.0, "{time_s}");

@@ -169,7 +169,8 @@ pub fn tick_line(t_s: f64, [min_separation_m, min_clearance_m]: [f64; 2], rows: 
         ])
     };
     let rows: Vec<Value> = rows.iter().map(numbers).collect();
-    json!({"tick": {"t_s": t_s, "min_separation_m": min_separation_m, "min_clearance_m": min_clearance_m, "rows": rows}})
+    let (separation, clearance) = (min_separation_m, min_clearance_m);
+    json!({"tick": {"t_s": t_s, "min_separation_m": separation, "min_clearance_m": clearance, "rows": rows}})
 }
 
 /// An event.

@@ -131,7 +131,8 @@ impl Shell {
             .collect();
         if !open.is_empty() {
             let text = format!(
-                "commands go unsigned beyond this machine, by {}: whoever hears them can send the like (--signing-key FILE)",
+                "commands go unsigned beyond this machine, by {}: whoever hears them can send the like (--signing-key \
+                 FILE)",
                 open.join(", ")
             );
             station.told.tell(0.0, None, super::told::Weight::Warning, text);

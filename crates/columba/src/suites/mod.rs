@@ -98,8 +98,8 @@ impl Plan {
         })
     }
 
-    /// Every optimiser's default settings, but for what makes them comparable: as many generations of as many candidates, and a
-    /// front of at most one generation. So nobody leaves a flock of pigeons.
+    /// Every optimiser's default settings, but for what makes them comparable: as many generations of as many
+    /// candidates, and a front of at most one generation. So nobody leaves a flock of pigeons.
     fn settings(&self, algorithm: Algorithm) -> OptimizerSettings {
         OptimizerSettings { algorithm, ..OptimizerSettings::default() }.with_budget(self.population, self.generations)
     }

@@ -11,7 +11,8 @@ use std::fmt::Write;
 /// The columns of objectives; a problem of fewer has null in the last.
 const OBJECTIVES: [&str; 3] = ["f1", "f2", "f3"];
 
-/// `fronts.parquet`: a row for each member of each front, with `problem`, `optimizer`, `seed`, `member` (from 1) and its costs.
+/// `fronts.parquet`: a row for each member of each front, with `problem`, `optimizer`, `seed`, `member` (from 1) and
+/// its costs.
 pub fn fronts(solves: &[Solve]) -> Result<Vec<u8>, ParquetError> {
     let solve_of: Vec<&Solve> = solves.iter().flat_map(|solve| solve.front.iter().map(move |_| solve)).collect();
     let members = solves.iter().flat_map(|solve| 1..=solve.front.len() as i64).collect();
@@ -22,8 +23,8 @@ pub fn fronts(solves: &[Solve]) -> Result<Vec<u8>, ParquetError> {
     table_parquet("fronts", &columns)
 }
 
-/// `indicators.parquet`: a row for each solve, with `problem`, `optimizer`, `seed`, `dimensions`, `evaluations`, `hypervolume`,
-/// the `reference_point` of it (the same value in every objective) and `igd_plus`.
+/// `indicators.parquet`: a row for each solve, with `problem`, `optimizer`, `seed`, `dimensions`, `evaluations`,
+/// `hypervolume`, the `reference_point` of it (the same value in every objective) and `igd_plus`.
 pub fn indicators(plan: &Plan, solves: &[Solve]) -> Result<Vec<u8>, ParquetError> {
     let solves: Vec<&Solve> = solves.iter().collect();
     let dimensions = |solve: &&Solve| optimizer::Problem::bounds(&plan.problem(solve.problem)).len() as i64;
@@ -38,7 +39,8 @@ pub fn indicators(plan: &Plan, solves: &[Solve]) -> Result<Vec<u8>, ParquetError
     table_parquet("indicators", &columns)
 }
 
-/// `timings.parquet`: a row for each solve, with `problem`, `optimizer`, `seed` and `solve_us`, its wall time in microseconds.
+/// `timings.parquet`: a row for each solve, with `problem`, `optimizer`, `seed` and `solve_us`, its wall time in
+/// microseconds.
 pub fn timings(solves: &[Solve]) -> Result<Vec<u8>, ParquetError> {
     let solves: Vec<&Solve> = solves.iter().collect();
     let mut columns = keys(&solves);
@@ -46,7 +48,8 @@ pub fn timings(solves: &[Solve]) -> Result<Vec<u8>, ParquetError> {
     table_parquet("timings", &columns)
 }
 
-/// `reference-fronts.parquet`: the points of the true fronts that IGD+ was measured by, with `problem`, `point` (from 1) and costs.
+/// `reference-fronts.parquet`: the points of the true fronts that IGD+ was measured by, with `problem`, `point` (from
+/// 1) and costs.
 pub fn reference_fronts(plan: &Plan) -> Result<Vec<u8>, ParquetError> {
     let front_of = |&suite: &Suite| (suite.name(), plan.problem(suite).reference_front());
     let fronts: Vec<(&str, Vec<Vec<f64>>)> = plan.problems.iter().map(front_of).collect();

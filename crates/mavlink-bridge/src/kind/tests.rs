@@ -207,7 +207,9 @@ fn each_kind_takes_off_in_its_own_way() {
 
 proptest! {
     #[test]
-    fn numbers_are_finite_or_refused(speed in prop::num::f64::ANY, course in prop::num::f64::ANY, altitude in prop::num::f64::ANY) {
+    fn numbers_are_finite_or_refused(
+        speed in prop::num::f64::ANY, course in prop::num::f64::ANY, altitude in prop::num::f64::ANY,
+    ) {
         let asked = Setpoint { speed_mps: speed, course_rad: course, altitude_m: altitude };
         for (kind, version) in [
             (AutopilotKind::ArduPlane, None),

@@ -162,7 +162,10 @@ mod tests {
         #[test]
         fn jitter_and_drift_are_taken_out(drift in -0.05..0.05f64, seed in 0..1000usize) {
             // Half of the messages come up to 20 ms late.
-            let late = |index: usize| if (index * 7919 + seed).is_multiple_of(2) { 0.0 } else { ((index * 104729 + seed) % 20) as f64 * 1e-3 };
+            let late = |index: usize| match (index * 7919 + seed).is_multiple_of(2) {
+                true => 0.0,
+                false => ((index * 104_729 + seed) % 20) as f64 * 1e-3,
+            };
             let (_, error_s) = clock(drift, 0.0, late, 120);
             prop_assert!(error_s.abs() < 0.015, "{error_s}");
         }

@@ -153,7 +153,8 @@ impl Autopilot {
 
     /// Param 1: airspeed (0), ground speed (1), or others, which an ArduPlane has not. Param 2: m/s, or -2 for
     /// AIRSPEED_CRUISE; a ground speed is the least one that it flies, as far as its airspeed may rise. Param 3: a
-    /// throttle in percent, which is accepted where there is no speed, and has no effect on how this flight model flies.
+    /// throttle in percent, which is accepted where there is no speed, and has no effect on how this flight model
+    /// flies.
     pub(crate) fn change_speed_as_arduplane(
         &mut self,
         [kind, speed_mps, throttle]: [f32; 3],

@@ -1,5 +1,5 @@
-//! For whom a message is. An ArduPlane looks at the system alone; a PX4 looks at the component too, and drops in silence what
-//! is for another one.
+//! For whom a message is. An ArduPlane looks at the system alone; a PX4 looks at the component too, and drops in
+//! silence what is for another one.
 
 // Clients still send what the dialect calls superseded.
 #![allow(deprecated)]

@@ -113,8 +113,8 @@ impl RealTime {
         *rate = Rate { speed, since: now, vehicle, asked, slipped: Duration::ZERO };
     }
 
-    /// Vehicle seconds for each second of the wall clock up to host time `now`: those that were reached, and those that were
-    /// asked for.
+    /// Vehicle seconds for each second of the wall clock up to host time `now`: those that were reached, and those that
+    /// were asked for.
     pub fn reached_and_asked(&self, now: Duration) -> (f64, f64) {
         let rate = self.rate();
         if now.is_zero() {

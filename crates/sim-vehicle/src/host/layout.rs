@@ -9,14 +9,14 @@ pub enum PortLayout {
     /// UDP, one port after the other, as [`HostSettings`](crate::HostSettings) says.
     #[default]
     Columba,
-    /// ArduPilot's SITL with its `sim_vehicle.py`: instance *i* takes clients at TCP 5760, 5762 and 5763 + 10 *i* and sends
-    /// to UDP 14550 + 10 *i*.
+    /// ArduPilot's SITL with its `sim_vehicle.py`: instance *i* takes clients at TCP 5760, 5762 and 5763 + 10 *i* and
+    /// sends to UDP 14550 + 10 *i*.
     ArduPilot {
         /// The instance of the first vehicle.
         instance: u16,
     },
-    /// PX4's SITL: instance *i* listens at UDP 14580 + *i* and sends to 14540 + *i* (the last of these is 14549), and at
-    /// 18570 + *i* and sends to 14550. On each, the first sender becomes the partner, and all telemetry goes to it.
+    /// PX4's SITL: instance *i* listens at UDP 14580 + *i* and sends to 14540 + *i* (the last of these is 14549), and
+    /// at 18570 + *i* and sends to 14550. On each, the first sender becomes the partner, and all telemetry goes to it.
     Px4 {
         /// The instance of the first vehicle.
         instance: u16,

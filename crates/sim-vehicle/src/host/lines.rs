@@ -37,8 +37,8 @@ struct Udp {
     heard: Vec<u8>,
 }
 
-/// The one other end of a UDP port, as a PX4 has it: who sends first gets everything from then on. Others are obeyed and
-/// not answered.
+/// The one other end of a UDP port, as a PX4 has it: who sends first gets everything from then on. Others are obeyed
+/// and not answered.
 #[derive(Debug)]
 struct Partner {
     /// The vehicles know it by this address, whoever it is.

@@ -1,7 +1,7 @@
 //! TCP for vehicles: each port takes several clients, which get telemetry from the moment they connect.
 //!
-//! Every client has a task of its own, so that one that stops reading stalls nobody: what does not fit into its queue is
-//! dropped, whole frames at a time.
+//! Every client has a task of its own, so that one that stops reading stalls nobody: what does not fit into its queue
+//! is dropped, whole frames at a time.
 
 use crate::host::clock::HostError;
 use crate::links::PeerId;

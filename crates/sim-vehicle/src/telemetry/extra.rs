@@ -1,5 +1,5 @@
-//! Messages that clients ask for and no vehicle sends unasked: outputs, the sensors beside the first ones, the simulation's
-//! own view, the autopilot's health. Of what there is no device for, they say so where a field can.
+//! Messages that clients ask for and no vehicle sends unasked: outputs, the sensors beside the first ones, the
+//! simulation's own view, the autopilot's health. Of what there is no device for, they say so where a field can.
 
 // Clients still ask for what the dialect calls superseded.
 #![allow(deprecated)]
@@ -341,8 +341,8 @@ impl Instruments<'_> {
         })
     }
 
-    /// HIGH_LATENCY2 (<https://mavlink.io/en/messages/common.html#HIGH_LATENCY2>): everything in a few bytes. Angles are in two
-    /// degrees, speeds in 0.2 m/s, climbs in 0.1 m/s, distances in 10 m.
+    /// HIGH_LATENCY2 (<https://mavlink.io/en/messages/common.html#HIGH_LATENCY2>): everything in a few bytes. Angles
+    /// are in two degrees, speeds in 0.2 m/s, climbs in 0.1 m/s, distances in 10 m.
     fn high_latency_2(&self) -> Message {
         let (state, aim, place) = (self.flight.estimate(), self.flight.aim(), self.place());
         let (latitude, longitude) = e7(&place);

@@ -4,10 +4,12 @@ use crate::firmware::rules::Rules;
 use crate::telemetry::rates::TelemetryRates;
 use std::time::Duration;
 
-/// A stream: its name and its message id in <https://mavlink.io/en/messages/ardupilotmega.html>, and the common dialect within.
+/// A stream: its name and its message id in <https://mavlink.io/en/messages/ardupilotmega.html>, and the common dialect
+/// within.
 macro_rules! streams {
     ($($stream:ident = $id:literal),* $(,)?) => {
-        /// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep tick.
+        /// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep
+        /// tick.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Stream {
             $($stream),*

@@ -1,5 +1,5 @@
-//! What a scenario must hold: the ranges of the program's own settings, those that other crates give for theirs, and what
-//! no single setting shows.
+//! What a scenario must hold: the ranges of the program's own settings, those that other crates give for theirs, and
+//! what no single setting shows.
 
 mod many;
 
@@ -70,7 +70,8 @@ fn scenario(file: &ScenarioFile, faults: &mut Faults) {
     let longest_s = ROWS_MAX / count as f64 * period_s;
     if period_s >= 0.001 && table.duration_s > longest_s && table.duration_s <= DURATION_MAX_S {
         let wanted = format!(
-            "at most {longest_s:.0}: a flight keeps control periods times vehicles ({count}) in memory, at most {ROWS_MAX}"
+            "at most {longest_s:.0}: a flight keeps control periods times vehicles ({count}) in memory, at most \
+             {ROWS_MAX}"
         );
         faults.add("scenario.duration_s", table.duration_s, wanted);
     }
@@ -231,7 +232,8 @@ fn autopilot_and_link(file: &ScenarioFile, faults: &mut Faults) {
     }
 }
 
-/// No two vehicles in one place, none inside a circle, none out of reach. Rows that are at fault themselves are left out.
+/// No two vehicles in one place, none inside a circle, none out of reach. Rows that are at fault themselves are left
+/// out.
 pub fn starts(scenario: &Scenario, by_pattern: bool, faults: &mut Faults) {
     let at_fault = |table: &str, count: usize, faults: &Faults| -> Vec<bool> {
         (1..=count).map(|number| !faults.is_empty() && faults.is_within(&format!("{table}[{number}]"))).collect()

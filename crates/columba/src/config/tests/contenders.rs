@@ -24,9 +24,11 @@ fn entry(text: &str, settings: &[&str]) -> Result<Scenario, String> {
 #[test]
 fn tables_are_laid_over_however_they_are_written() {
     for text in [
-        "[contender.look_ahead]\nhorizon_s = 0.5\n[contender.optimizer]\nalgorithm = \"mpio\"\nmpio = { iterations = 5 }",
+        "[contender.look_ahead]\nhorizon_s = 0.5\n[contender.optimizer]\nalgorithm = \"mpio\"\n\
+         mpio = { iterations = 5 }",
         "look_ahead.horizon_s = 0.5\noptimizer.algorithm = \"mpio\"\noptimizer.mpio.iterations = 5",
-        "look_ahead = { horizon_s = 0.5 }\n[contender.optimizer]\nalgorithm = \"mpio\"\n[contender.optimizer.mpio]\niterations = 5",
+        "look_ahead = { horizon_s = 0.5 }\n[contender.optimizer]\nalgorithm = \"mpio\"\n[contender.optimizer.mpio]\n\
+         iterations = 5",
     ] {
         let scenario = entry(text, &["law.formation_gain=0.25", "look_ahead.clearance_m = 2.5"]).unwrap();
         assert_eq!(scenario.controller.look_ahead.horizon_s, 0.5, "{text}");
@@ -100,12 +102,14 @@ fn a_fault_is_told_at_the_contenders_own_line() {
         (
             "dynamics.speed_max_mps = 10.6",
             &[],
-            "config/paper.toml (built in):46: with contender \"near\": vehicle[4].speed_mps = 11.0: must be a number from 5 to 10.6",
+            "config/paper.toml (built in):46: with contender \"near\": vehicle[4].speed_mps = 11.0: must be a number \
+             from 5 to 10.6",
         ),
         (
             "[[contender.obstacle]]\nx_m = 10\ny_m = 1\nradius_m = 5",
             &[],
-            "config/paper.toml (built in):35: with contender \"near\": vehicle 3 at x_m = 10, y_m = 0: must be outside obstacle 1",
+            "config/paper.toml (built in):35: with contender \"near\": vehicle 3 at x_m = 10, y_m = 0: must be outside \
+             obstacle 1",
         ),
         ("scenario.seed = 2", &[], "few.toml:3: contender \"near\": scenario.seed: must be left out: --seeds says"),
         ("[contender.scenario]\nname = \"x\"", &[], "few.toml:4: contender \"near\": scenario.name: must be left out"),

@@ -8,9 +8,10 @@ use flight_model::wrap_pi;
 const GRAVITY_MPS2: f64 = 9.806_65;
 
 /// How the figure is computed.
-pub const CAPTION: &str = "Bank angle of a coordinated turn, positive to the right: arctan(V \u{b7} course rate / g), with the \
-                           mean speed and the change of course between two ticks, and g = 9.81 m/s\u{b2}. 45\u{b0} is a \
-                           lateral acceleration of 1 g. Exact in still air; peaks between ticks are not in it.";
+pub const CAPTION: &str = "Bank angle of a coordinated turn, positive to the right: arctan(V \u{b7} course rate / g), \
+                           with the mean speed and the change of course between two ticks, and g = 9.81 m/s\u{b2}. \
+                           45\u{b0} is a lateral acceleration of 1 g. Exact in still air; peaks between ticks are not \
+                           in it.";
 
 /// Bank angle over time in degrees, from the ground track.
 pub fn bank(flight: &Flight) -> String {

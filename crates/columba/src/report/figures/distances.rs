@@ -121,10 +121,10 @@ impl Panel {
 pub fn caption(flight: &Flight) -> String {
     let field = &flight.field;
     format!(
-        "Above: least horizontal distance between two UAVs. Separation is lost below D\u{209b} = {} m; below {} m the two \
-         have collided. Below: least horizontal distance from a UAV to the edge of an obstacle; below 0 the UAV is in the \
-         obstacle. Each value is the least of the interval since the tick before, over all integration steps. The dots are \
-         the least of the flight. Greater distances are above the charts.",
+        "Above: least horizontal distance between two UAVs. Separation is lost below D\u{209b} = {} m; below {} m the \
+         two have collided. Below: least horizontal distance from a UAV to the edge of an obstacle; below 0 the UAV is \
+         in the obstacle. Each value is the least of the interval since the tick before, over all integration steps. \
+         The dots are the least of the flight. Greater distances are above the charts.",
         field.safe_distance_m, field.collision_distance_m
     )
 }

@@ -1,7 +1,7 @@
 //! The figures of a flight, each a function from the flight to an SVG: the three of the paper's Fig. 2 and four more.
 //!
-//! Up to [`LINES_MAX`] vehicles have a line each. More of them are bands of percentiles over the flock, and by number the
-//! vehicles that leave the bands.
+//! Up to [`LINES_MAX`] vehicles have a line each. More of them are bands of percentiles over the flock, and by number
+//! the vehicles that leave the bands.
 
 mod alphas;
 mod bank;
@@ -63,8 +63,8 @@ pub fn all(flight: &Flight) -> Vec<Figure> {
         (
             "alphas",
             "Weights from the optimiser",
-            "Alpha of the formation, obstacle and neighbour-velocity terms (Eq. 5, 7, 8) over the flock at each tick. 1: \
-             the term acts as designed; 0: not at all."
+            "Alpha of the formation, obstacle and neighbour-velocity terms (Eq. 5, 7, 8) over the flock at each tick. \
+             1: the term acts as designed; 0: not at all."
                 .to_owned(),
             alphas,
         ),
@@ -81,8 +81,8 @@ fn over_flock(flight: &Flight, caption: &str) -> String {
         return format!("{caption} One line for each UAV.");
     }
     format!(
-        "{caption} Bands hold the middle 50 % and 90 % of the flock at each moment. UAVs that leave the bands farthest are \
-         drawn, and numbered where they are farthest out."
+        "{caption} Bands hold the middle 50 % and 90 % of the flock at each moment. UAVs that leave the bands farthest \
+         are drawn, and numbered where they are farthest out."
     )
 }
 

@@ -12,9 +12,9 @@ use crate::{
     },
 };
 
-/// The flight paths among the circles, with a triangle for every UAV at a few instants (the paper's Fig. 2a). A map that
-/// is turned so that north is to the right, as most flights go: east is downwards, and what is left of a UAV is left of
-/// it in the drawing. Both axes have the same scale.
+/// The flight paths among the circles, with a triangle for every UAV at a few instants (the paper's Fig. 2a). A map
+/// that is turned so that north is to the right, as most flights go: east is downwards, and what is left of a UAV is
+/// left of it in the drawing. Both axes have the same scale.
 pub fn paths(flight: &Flight) -> String {
     let (field, trajectory) = (&flight.field, &flight.trajectory);
     let look = Look::of(trajectory.vehicles);
@@ -273,8 +273,8 @@ pub fn caption(flight: &Flight) -> String {
         }
     };
     format!(
-        "Map with north to the right: x is north, y is east and increases downwards, so that left of a UAV is left in the \
-         map. The paper's Fig. 2 has the same x axis and draws y upwards.{when}"
+        "Map with north to the right: x is north, y is east and increases downwards, so that left of a UAV is left in \
+         the map. The paper's Fig. 2 has the same x axis and draws y upwards.{when}"
     )
 }
 

@@ -44,8 +44,8 @@ const CRITICAL: Threshold = Threshold {
     timer: Timer::BatteryCritical,
 };
 
-/// What a value of BATT_FS_LOW_ACT or BATT_FS_CRT_ACT brings about, or what it needs that is not there. A plane that is no
-/// quadplane lands for 4 and 6, and without AUTOLAND it returns for 7.
+/// What a value of BATT_FS_LOW_ACT or BATT_FS_CRT_ACT brings about, or what it needs that is not there. A plane that is
+/// no quadplane lands for 4 and 6, and without AUTOLAND it returns for 7.
 fn action_of(value: f32) -> Result<Action, &'static str> {
     match value as u8 {
         0 => Ok(Action::Warn),

@@ -1,5 +1,5 @@
-//! What a PX4 makes of an uploaded fence (`geofence.cpp`): each polygon and circle for itself, and none that home, or in
-//! flight the vehicle, is outside of.
+//! What a PX4 makes of an uploaded fence (`geofence.cpp`): each polygon and circle for itself, and none that home, or
+//! in flight the vehicle, is outside of.
 
 use super::area::{Area, Place, Shape};
 use flight_model::{Geodetic, LocalFrame};
@@ -60,8 +60,8 @@ fn is_inside(shape: &Shape, place: Place) -> bool {
     }
 }
 
-/// The polygon that begins the items, and how many of them it takes: so many as its first corner says. None where the plan
-/// ends before it.
+/// The polygon that begins the items, and how many of them it takes: so many as its first corner says. None where the
+/// plan ends before it.
 fn polygon(items: &[PlanItem], frame: &LocalFrame) -> (Option<Shape>, usize) {
     let count = items.first().map_or(0, |item| usize::from((item.params[0] + 0.5) as u16));
     match items.get(..count) {

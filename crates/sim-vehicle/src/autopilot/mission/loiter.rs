@@ -143,7 +143,8 @@ impl Loiter {
                 if next_m <= 0.0 || self.radius_m <= 0.0 {
                     return true;
                 }
-                // Where it is on the circle, and how it would leave it there: errors of its radius and course do not count.
+                // Where it is on the circle, and how it would leave it there: errors of its radius and course do not
+                // count.
                 let at_rad = libm::atan2(away.y, away.x);
                 let (sin, cos) = libm::sincos(at_rad);
                 let leaving_rad = at_rad + self.turn * FRAC_PI_2;
@@ -166,8 +167,8 @@ impl Loiter {
 mod tests {
     use super::*;
 
-    /// Round a circle of 100 m at the origin, clockwise from the south at one degree a second; after how many seconds it is
-    /// over.
+    /// Round a circle of 100 m at the origin, clockwise from the south at one degree a second; after how many seconds
+    /// it is over.
     fn over_after(mut loiter: Loiter, radius_m: f64) -> Option<u64> {
         (0..3600).find(|second| {
             let angle_rad = TAU * (0.5 + *second as f64 / 360.0);

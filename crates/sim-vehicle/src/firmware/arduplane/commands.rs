@@ -1,5 +1,5 @@
-//! What an ArduPlane answers where it asks more of a command than `protocol/command` does (`handle_command_int_packet` of
-//! GCS_Common.cpp and GCS_MAVLink_Plane.cpp).
+//! What an ArduPlane answers where it asks more of a command than `protocol/command` does (`handle_command_int_packet`
+//! of GCS_Common.cpp and GCS_MAVLink_Plane.cpp).
 
 // Clients still speak what the dialect calls superseded, and autopilots answer.
 #![allow(deprecated)]

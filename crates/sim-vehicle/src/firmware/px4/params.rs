@@ -103,8 +103,8 @@ pub(super) fn check_command(command: &Command) -> Result<(), CommandError> {
     }
 }
 
-/// A param that the mission item does not use is INVALID_PARAM1 to 7. `by_integers`: it came as MISSION_ITEM_INT and has a
-/// place.
+/// A param that the mission item does not use is INVALID_PARAM1 to 7. `by_integers`: it came as MISSION_ITEM_INT and
+/// has a place.
 pub(super) fn check_item(item: &PlanItem, by_integers: bool) -> Result<(), PlanError> {
     let used = row(item.command).map(|(_, used, _)| *used);
     let [p1, p2, p3, p4] = item.params.map(|param| !is_left_out(param));

@@ -21,7 +21,8 @@ fn unsupported(reason: &str) -> CommandError {
     CommandError::new(CommandResult::Unsupported, reason)
 }
 
-/// The answer to a command that the dialect does not know: EXTERNAL_WIND_ESTIMATE is accepted, and the wind is known better.
+/// The answer to a command that the dialect does not know: EXTERNAL_WIND_ESTIMATE is accepted, and the wind is known
+/// better.
 pub(in crate::firmware) fn answer_by_number(command: u16) -> Option<Result<(), CommandError>> {
     const EXTERNAL_WIND_ESTIMATE: u16 = 43_004;
     (command == EXTERNAL_WIND_ESTIMATE).then_some(Ok(()))
@@ -61,7 +62,8 @@ pub(super) fn execute(autopilot: &mut Autopilot, command: &Command) -> Result<()
 }
 
 /// PREFLIGHT_CALIBRATION. Params 1 to 7: the gyroscope; the compass; the barometer; 1 a radio, 2 its trim; 1 the
-/// accelerometer, 2 level, 4 the accelerometer in one position; the airspeed; ESCs. None of them: what goes on is ended.
+/// accelerometer, 2 level, 4 the accelerometer in one position; the airspeed; ESCs. None of them: what goes on is
+/// ended.
 fn calibrate(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
     let [p1, p2, p3, p4] = command.params.map(integer);
     let [p5, p6] = match command.position {

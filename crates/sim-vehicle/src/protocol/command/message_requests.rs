@@ -23,9 +23,9 @@ enum Rate {
     Every(Duration),
 }
 
-/// SET_MESSAGE_INTERVAL. Param 1: message id. Param 2: microseconds between two, 0 for the default, -1 for never. For this
-/// link only. ArduPlane: param 3 must be 0, and a rate that the loop does not reach is DENIED. PX4: params 3, 4 and 7 must be
-/// 0, HEARTBEAT's rate is fixed, and any other goes.
+/// SET_MESSAGE_INTERVAL. Param 1: message id. Param 2: microseconds between two, 0 for the default, -1 for never. For
+/// this link only. ArduPlane: param 3 must be 0, and a rate that the loop does not reach is DENIED. PX4: params 3, 4
+/// and 7 must be 0, HEARTBEAT's rate is fixed, and any other goes.
 pub(crate) fn set_message_interval(
     component: &mut Component,
     params: [f32; 4],
@@ -122,8 +122,8 @@ pub(crate) fn request_message(component: &mut Component, [id, p2]: [f32; 2], lin
     Ok(())
 }
 
-/// GET_MESSAGE_INTERVAL. Param 1: message id. Of a message that is not there an ArduPlane tells 0 and refuses, a PX4 tells
-/// that it never comes.
+/// GET_MESSAGE_INTERVAL. Param 1: message id. Of a message that is not there an ArduPlane tells 0 and refuses, a PX4
+/// tells that it never comes.
 pub(crate) fn tell_message_interval(component: &mut Component, id: f32, link: usize) -> Result<(), CommandError> {
     let is_px4 = commands(component) == CommandSet::Px4;
     check_finite("Interval", &[id])?;
