@@ -144,6 +144,7 @@ impl Autopilot {
         &self.frame
     }
 
+    #[inline]
     pub fn mode(&self) -> Mode {
         self.flight.mode()
     }
@@ -172,6 +173,7 @@ impl Autopilot {
     }
 
     /// How things stand.
+    #[inline]
     pub fn situation(&self) -> Situation<'_> {
         Situation {
             time: self.time,
@@ -185,6 +187,7 @@ impl Autopilot {
     }
 
     /// How things stand, beside what watches over them.
+    #[inline]
     fn split(&mut self) -> (Situation<'_>, &mut Session, &mut Events) {
         let now = Situation {
             time: self.time,
