@@ -9,7 +9,6 @@ KNOWN = {
         "modes in the air": ["mode 3", "mode 4", "mode 8", "mode 14", "mode 25", "mode 26"],
     },
     "PROTOCOL_VERSION, CURRENT_MODE, ALTITUDE, ODOMETRY, PING and WIND_COV are answered.": {
-        "every command": ["REQUEST_PROTOCOL_VERSION"],
         "connection": [
             "asked for PROTOCOL_VERSION",
             "asked for WIND_COV",
@@ -20,16 +19,19 @@ KNOWN = {
             "PING",
         ],
     },
-    "EXTERNAL_POSITION_ESTIMATE is UNSUPPORTED by COMMAND_INT too, and nothing warns of a safety switch or of scripts that are not there.": {
-        "every command": ["EXTERNAL_POSITION_ESTIMATE", "DO_SET_SAFETY_SWITCH_STATE", "SCRIPTING"],
-    },
-    "NAV_TAKEOFF is FAILED by COMMAND_INT too, whatever its frame.": {
-        "every command": ["NAV_TAKEOFF"],
+    "Nothing warns of a safety switch or of scripts that are not there.": {
+        "every command": ["DO_SET_SAFETY_SWITCH_STATE", "SCRIPTING"],
     },
     "Some warnings of ArduPlane are not there: of older messages and of terrain.": {
         "every command": ["one that nobody knows"],
         "missions": ["one item, by the older message"],
         "mission items": ["in frame GLOBAL_TERRAIN_ALT"],
+    },
+    "PARAM_VALUE has the type of the parameter; ArduPlane answers a PARAM_SET that changes nothing in the type that it came with.": {
+        "value sets": ["BATT_FS_LOW_ACT 0", "BATT_FS_CRT_ACT 0", "FENCE_AUTOENABLE 0"],
+    },
+    "FENCE_AUTOENABLE 1 is taken without a warning.": {
+        "value sets": ["FENCE_AUTOENABLE 1"],
     },
     "MISSION_CURRENT is the item that is flown, never home, and every item that is flown is reached once, NAV_LAND on the ground too.": {
         "missions": ["current is 0", "nothing at all", "clear"],
@@ -56,9 +58,6 @@ KNOWN = {
             "with NAV_SET_YAW_SPEED",
         ],
     },
-    "DO_JUMP to an item that is not there and a DO_CHANGE_SPEED of 0 are INVALID_PARAM in a mission.": {
-        "mission items": ["with DO_JUMP", "with DO_CHANGE_SPEED", "with a jump beyond the end"],
-    },
     "Items come back as they were uploaded, with all their parameters.": {
         "mission items": [
             "and back: a latitude that is none",
@@ -76,25 +75,6 @@ KNOWN = {
     },
     "MISSION_CLEAR_ALL of type 255 clears everything; ArduPlane says UNSUPPORTED.": {
         "fences": ["all kinds cleared"],
-    },
-    "Messages about what is not simulated are not there to be asked for.": {
-        "connection": [
-            "asked for SCALED_IMU2",
-            "asked for SERVO_OUTPUT_RAW",
-            "asked for POWER_STATUS",
-            "asked for MEMINFO",
-            "asked for VIBRATION",
-            "asked for TERRAIN_REPORT",
-            "asked for AOA_SSA",
-            "asked for HWSTATUS",
-            "asked for AIRSPEED",
-            "asked for AHRS",
-            "asked for AHRS2",
-            "asked for RPM",
-            "asked for HIGH_LATENCY2",
-            "asked for CAMERA_INFORMATION",
-            "asked for GIMBAL_MANAGER_INFORMATION",
-        ],
     },
     "The capabilities are those that are there: no files, terrain, attitudes or calibration, but local setpoints.": {
         "connection": ["its capabilities"],

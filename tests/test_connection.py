@@ -1,7 +1,7 @@
 """The questions that QGroundControl and MAVProxy ask when they connect: each has an answer or a refusal."""
 
 import pytest
-from ground import ACCEPTED, DENIED, FAILED, UNSUPPORTED
+from ground import ACCEPTED, FAILED, UNSUPPORTED
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 PLANS = [mavlink.MAV_MISSION_TYPE_MISSION, mavlink.MAV_MISSION_TYPE_FENCE, mavlink.MAV_MISSION_TYPE_RALLY]
@@ -30,7 +30,13 @@ def test_the_old_commands_are_answered(craft):
     assert craft.command_long(mavlink.MAV_CMD_GET_HOME_POSITION) == ACCEPTED
 
 
-@pytest.mark.parametrize("kind", ["CAMERA_INFORMATION", "COMPONENT_METADATA", "COMPONENT_INFORMATION"])
+def test_a_camera_that_is_not_there_is_accepted_and_said_to_be_missing(craft):
+    message_id = mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION
+    assert craft.command_long(mavlink.MAV_CMD_REQUEST_MESSAGE, message_id) == ACCEPTED
+    assert craft.text().text == "There is no camera"
+
+
+@pytest.mark.parametrize("kind", ["COMPONENT_METADATA", "COMPONENT_INFORMATION"])
 def test_what_only_other_components_know_is_refused(craft, kind):
     message_id = getattr(mavlink, f"MAVLINK_MSG_ID_{kind}", 397)
     assert craft.command_long(mavlink.MAV_CMD_REQUEST_MESSAGE, message_id) == FAILED
@@ -102,12 +108,14 @@ def qgroundcontrol():
     for plan in PLANS:
         yield f"plan {plan}", lambda mav, to, plan=plan: mav.mission_request_list_send(*to, plan), ("MISSION_COUNT", None)
     yield "home", command(mavlink.MAV_CMD_GET_HOME_POSITION), ("HOME_POSITION", ACCEPTED)
-    for kind in ("CAMERA_INFORMATION", "GIMBAL_MANAGER_INFORMATION", "VIDEO_STREAM_INFORMATION", "STORAGE_INFORMATION"):
-        yield kind, command(REQUEST, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}")), (None, FAILED)
+    # A real one accepts them, and nothing comes.
+    for kind in ("CAMERA_INFORMATION", "GIMBAL_MANAGER_INFORMATION", "VIDEO_STREAM_INFORMATION"):
+        yield kind, command(REQUEST, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}")), (None, ACCEPTED)
+    yield "storage", command(REQUEST, mavlink.MAVLINK_MSG_ID_STORAGE_INFORMATION), (None, FAILED)
     for number in range(521, 528):
         yield f"command {number}", command(number, 1), (None, UNSUPPORTED)
     for kind in ("GIMBAL_MANAGER_STATUS", "GIMBAL_DEVICE_ATTITUDE_STATUS"):
-        yield f"rate of {kind}", command(INTERVAL, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}"), 1e6), (None, DENIED)
+        yield f"rate of {kind}", command(INTERVAL, getattr(mavlink, f"MAVLINK_MSG_ID_{kind}"), 1e6), (None, ACCEPTED)
     yield "rate of home", command(INTERVAL, mavlink.MAVLINK_MSG_ID_HOME_POSITION, 1e6), ("HOME_POSITION", ACCEPTED)
     yield "rate", command(INTERVAL, mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 1e6), ("EXTENDED_SYS_STATE", ACCEPTED)
     yield "logs", lambda mav, to: mav.log_request_list_send(*to, 0, 0xFFFF), ("LOG_ENTRY", None)

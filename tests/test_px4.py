@@ -172,7 +172,7 @@ def test_an_unused_param_must_be_zero_or_nan(px4):
     [mavlink.MAV_CMD_GUIDED_CHANGE_SPEED, mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE, mavlink.MAV_CMD_NAV_LOITER_UNLIM],
 )
 def test_what_px4_does_not_know_is_unsupported(px4, command):
-    assert px4.command_int(command, 0, 12, 0, z=60) == UNSUPPORTED
+    assert px4.command_int(command, z=60) == UNSUPPORTED
 
 
 # Guided Course

@@ -8,6 +8,7 @@ import pytest
 import tlog
 from conftest import Run, free_port
 from ground import CRUISE, LOITER, RTL
+from pymavlink import mavutil
 
 PATIENCE_S = 150
 
@@ -268,6 +269,84 @@ def test_the_operator_pauses_resumes_drops_takes_and_aborts(start_fly, start_veh
     run = controller.end()
     assert run.status == 1 and "aborted by the operator" in run.errors
     until(first, LOITER), until(second, LOITER)
+
+
+ONE = """
+[scenario]
+name = "one"
+duration_s = 10.0
+
+[flock]
+expected_speed_mps = 10.0
+expected_altitude_m = 50.0
+
+[[vehicle]]
+x_m = 0.0
+y_m = {y_m}
+altitude_m = 50.0
+speed_mps = 10.0
+course_deg = 0.0
+"""
+
+
+@pytest.fixture
+def one(tmp_path):
+    def write(y_m):
+        path = tmp_path / f"one-{y_m}.toml"
+        path.write_text(ONE.format(y_m=y_m))
+        return path
+
+    return write
+
+
+def test_two_autopilots_of_one_system_id_are_a_fault_before_anybody_is_armed(start_fly, start_vehicles, one):
+    port = free_port()
+    for y_m in (0.0, 30.0):
+        start_vehicles(one(y_m), "--on-ground", "--speed", 5, ground_port=port)
+    run = start_fly(one(0.0), "--speed", 5, "--link", f"udpin:127.0.0.1:{port}").end()
+    assert run.status == 1 and "two autopilots speak with system id 1" in run.errors
+    assert not any(vehicle["armed"] for vehicle in run.summary["station"]["vehicles"])
+
+
+def test_a_mixed_flock_from_the_ground(start_fly, start_vehicles, field, one):
+    port, scenario = free_port(), field(count=2)
+    start_vehicles(one(-6.0), "--on-ground", "--speed", 10, ground_port=port)
+    start_vehicles(
+        one(6.0), "--on-ground", "--personality", "generic", "--param", "MAV_SYSID=9", "--speed", 10, ground_port=port
+    )
+    run = start_fly(scenario, "--speed", 10, "--link", f"udpin:127.0.0.1:{port}").end()
+    assert run.status == 0, run.errors
+    kinds = [(vehicle["system_id"], vehicle["autopilot"]) for vehicle in run.summary["station"]["vehicles"]]
+    assert kinds == [(1, "ArduPlane"), (9, "Columba")]
+
+
+def test_the_operator_speaks_by_messages_too(start_fly, start_vehicles, field):
+    port, scenario = free_port(), field(count=1, duration_s=120)
+    start_vehicles(scenario, "--speed", 2, ground_port=port)
+    controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
+    controller.wait_for("the flock flies")
+    operator = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=252)
+    try:
+        for command, param, text in [(193, 0, "paused by the operator"), (193, 1, "resumed"), (31010, 1, "is left in")]:
+            operator.mav.command_long_send(255, 190, command, 0, param, 0, 0, 0, 0, 0, 0)
+            assert operator.recv_match(type="COMMAND_ACK", blocking=True, timeout=10).result == 0
+            controller.wait_for(text)
+    finally:
+        operator.close()
+    run = controller.end()
+    assert run.status == 1 and "aborted by the operator" in run.errors
+
+
+def test_a_full_disk_does_not_end_the_flight(start_fly, start_vehicles, field, tmp_path):
+    port, scenario = free_port(), field(count=1, duration_s=5)
+    folder = tmp_path / "full"
+    folder.mkdir()
+    (folder / "flight.tlog").symlink_to("/dev/full")
+    start_vehicles(scenario, "--speed", 5, ground_port=port)
+    options = (scenario, "--speed", 5, "--link", f"udpin:127.0.0.1:{port}", "--force")
+    run = start_fly(*options, folder=folder).end()
+    assert run.status == 1 and "the record cannot be written any more" in run.errors
+    assert run.summary["completed"] and run.summary["station"]["vehicles"][0]["mode"] == "LOITER"
 
 
 def test_wrong_links_are_told_with_the_right_spelling(program):

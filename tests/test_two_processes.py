@@ -61,4 +61,4 @@ def test_one_program_in_real_time(fly):
 def test_a_controller_without_vehicles_says_who_is_silent(fly):
     run = fly("fly", "--speed", 10, "--ground-port", free_port())
     assert run.status == 1
-    assert "no telemetry on" in run.errors
+    assert "no telemetry" in run.errors and "vehicles 1, 2, 3, 4, 5" in run.errors

@@ -30,6 +30,7 @@ pub(crate) enum CommandResult {
     Failed,
     Unsupported,
     TemporarilyRejected,
+    Cancelled,
 }
 
 /// Why a command is not obeyed.
@@ -95,6 +96,10 @@ pub(crate) enum PlanError {
     ItemCount,
     #[error("Bad lat or lon")]
     Position,
+    #[error("it jumps to no item")]
+    JumpTarget,
+    #[error("it belongs to another plan")]
+    OtherPlan,
 }
 
 /// Why a value of a parameter is not taken.

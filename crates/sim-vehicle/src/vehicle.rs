@@ -144,7 +144,9 @@ impl Vehicle {
     /// Takes one frame, decoded already; for hosts that serve many vehicles on one port.
     pub fn handle_incoming(&mut self, now: Duration, incoming: &Incoming, from: PeerId) {
         self.component.note_host_time(now);
-        let ours = [0, self.component.settings.system_id].contains(&incoming.target.system_id);
+        let settings = &self.component.settings;
+        let commands = settings.personality.rules().commands;
+        let ours = commands.hears(incoming, settings.system_id, settings.component_id);
         // A companion computer has our system id and a component id of its own: it is heard.
         let from_ourselves = incoming.header.system_id == self.component.settings.system_id
             && incoming.header.component_id == self.component.settings.component_id;

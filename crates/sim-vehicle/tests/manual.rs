@@ -13,7 +13,25 @@ use std::collections::{BTreeMap, BTreeSet};
 const PAGE: &str = include_str!("../../../docs/mavlink.md");
 
 /// Messages of ArduPilot's own dialect, which the common one does not name.
-const OF_ARDUPILOT: [(&str, u32); 2] = [("WIND", 168), ("EKF_STATUS_REPORT", 193)];
+const OF_ARDUPILOT: [(&str, u32); 17] = [
+    ("MEMINFO", 152),
+    ("AHRS", 163),
+    ("SIMSTATE", 164),
+    ("HWSTATUS", 165),
+    ("WIND", 168),
+    ("RANGEFINDER", 173),
+    ("AHRS2", 178),
+    ("CAMERA_FEEDBACK", 180),
+    ("MAG_CAL_PROGRESS", 191),
+    ("EKF_STATUS_REPORT", 193),
+    ("PID_TUNING", 194),
+    ("DEEPSTALL", 195),
+    ("RPM", 226),
+    ("AVAILABLE_MODES_MONITOR", 437),
+    ("UAVIONIX_ADSB_OUT_STATUS", 10_008),
+    ("AOA_SSA", 11_020),
+    ("ESC_TELEMETRY_1_TO_4", 11_030),
+];
 
 type Names = BTreeSet<String>;
 

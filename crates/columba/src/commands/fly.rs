@@ -104,6 +104,7 @@ fn from_the_ground(
         origin_is_named: scenario.provenance.names("scenario.origin.latitude_deg"),
         connect_patience: patience.min(Duration::from_secs(30)),
         ready_patience: patience,
+        links: connections.iter().map(ToString::to_string).collect(),
         capacities: connections.iter().map(Connection::capacity_bytes_per_s).collect(),
         calls,
     };

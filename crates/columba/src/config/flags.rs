@@ -388,7 +388,7 @@ impl Flag {
     fn arg(&self) -> Arg {
         let arg = Arg::new(self.name)
             .long(self.name)
-            .help(self.help)
+            .help(format!("{} [{}]", self.help, self.key))
             .help_heading(HEADING)
             .conflicts_with_all(self.conflicts);
         let arg = match self.short {
@@ -457,4 +457,32 @@ fn entry(text: &str) -> Result<String, String> {
     let parts =
         text.split_once('=').filter(|(name, value)| is_name(name.trim()) && value.trim().parse::<f64>().is_ok());
     parts.map(|_| text.to_owned()).ok_or_else(|| "must be NAME=VALUE, the value a number".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MANUAL: &str = include_str!("../../../../docs/scenario.md");
+
+    /// A flag whose key is none would be refused by every scenario.
+    #[test]
+    fn every_flag_sets_a_key_of_the_manual() {
+        for flag in FLAGS {
+            let (table, key) = flag.key.rsplit_once('.').unwrap_or(("", flag.key));
+            let section = match table {
+                "" => "## Top of the file".to_owned(),
+                table => format!("## [{table}]\n"),
+            };
+            // A table of its own entries has no row for them.
+            let (section, key) = if flag.key.starts_with("parameters") {
+                ("## [parameters]".to_owned(), "files")
+            } else {
+                (section, key)
+            };
+            let rest = MANUAL.split(&section).nth(1).unwrap_or_else(|| panic!("{section}"));
+            let text = rest.split("\n## ").next().unwrap();
+            assert!(text.contains(&format!("`{key}`")), "--{}: {}", flag.name, flag.key);
+        }
+    }
 }

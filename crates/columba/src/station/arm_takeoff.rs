@@ -1,5 +1,5 @@
-//! Third phase: all are armed and take off together. Who is in the air climbs to a height of its own at once, and is on its
-//! way to its lane while the others follow.
+//! Third phase: all are armed and take off together. Who is in the air climbs to a height of its own at once, and is on
+//! its way to its lane while the others follow.
 
 use super::gather::Gather;
 use super::told::Weight;
@@ -64,10 +64,10 @@ impl TakeOff {
         let Some(driver) = vehicle.driver().cloned() else { return };
         let (target, seen) = (vehicle.target, vehicle.seen());
         let height_m = self.height_m(station, index);
-        // Some follow only once a stream of setpoints runs.
+        // A PX4 follows only once a stream of setpoints runs; an ArduCopter would break off its take-off for one.
         if seen.armed
             && !seen.on_ground
-            && driver.repeat_every().is_some()
+            && driver.kind() == AutopilotKind::Px4Multicopter
             && let Some(state) = station.state_now(index, now)
         {
             let setpoint = State { altitude_m: self.gather.layer_m(index), speed_mps: 0.0, ..state }.hold();

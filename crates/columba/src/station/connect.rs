@@ -123,9 +123,10 @@ fn silent(station: &Station, waited: Duration) -> String {
         None => {
             let heard: Vec<String> = heard.iter().map(u8::to_string).collect();
             return format!(
-                "no telemetry from {} of {wanted} vehicles for {} s; heard are systems {}",
-                wanted - heard.len().min(wanted),
+                "no telemetry on {} for {} s from {} of {wanted} vehicles; heard are systems {}",
+                station.settings.links.join(", "),
                 waited.as_secs(),
+                wanted - heard.len().min(wanted),
                 heard.join(", ")
             );
         }
@@ -133,5 +134,6 @@ fn silent(station: &Station, waited: Duration) -> String {
     let shown = missing.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
     let more = if missing.len() > 8 { format!(" and {} more", missing.len() - 8) } else { String::new() };
     let plural = if missing.len() == 1 { "vehicle" } else { "vehicles" };
-    format!("no telemetry from {plural} {shown}{more} for {} s", waited.as_secs())
+    let links = station.settings.links.join(", ");
+    format!("no telemetry on {links} for {} s from {plural} {shown}{more}", waited.as_secs())
 }

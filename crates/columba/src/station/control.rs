@@ -101,8 +101,8 @@ impl Station {
         self.send(index, again);
     }
 
-    /// Looks at modes and at what is heard. Whose mode others have changed is released: named, commanded no more, and from now on
-    /// a neighbour to be avoided.
+    /// Looks at modes and at what is heard. Whose mode others have changed is released: named, commanded no more, and
+    /// from now on a neighbour to be avoided.
     pub fn watch_modes(&mut self, now: Duration) {
         for index in self.crew() {
             let vehicle = &self.vehicles[index];

@@ -1,5 +1,5 @@
-//! Last phase: nobody is left alone. On completion, failure and Ctrl-C alike every vehicle is brought into the mode in which it
-//! is to stay, and that it is in it is seen, and told.
+//! Last phase: nobody is left alone. On completion, failure and Ctrl-C alike every vehicle is brought into the mode in
+//! which it is to stay, and that it is in it is seen, and told.
 //!
 //! Planes that circle where they are would meet: they first change to heights of their own, while the law still steers.
 

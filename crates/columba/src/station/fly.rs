@@ -1,5 +1,5 @@
-//! Sixth phase: the flock flies. Once in a control period all members decide; a vehicle that is not ours, not fresh or not
-//! following is no member, and an obstacle instead.
+//! Sixth phase: the flock flies. Once in a control period all members decide; a vehicle that is not ours, not fresh or
+//! not following is no member, and an obstacle instead.
 
 use super::judge::{Seen, TrackJudge};
 use super::operator::Verb;
@@ -337,8 +337,8 @@ fn settings(station: &Station) -> FlockSettings {
     FlockSettings { dynamics: Dynamics { limits: station.limits, ..settings.dynamics }, ..settings }
 }
 
-/// Vehicles in the air that are no members, as circles that the flock keeps out of: along their way over the look-ahead while they
-/// are heard, a disc that grows when they are not.
+/// Vehicles in the air that are no members, as circles that the flock keeps out of: along their way over the look-ahead
+/// while they are heard, a disc that grows when they are not.
 fn others(station: &Station, members: &[usize], now: Duration) -> Vec<Obstacle> {
     let look_ahead = &station.scenario.controller.look_ahead;
     let period_s = station.scenario.control_period.as_secs_f64();

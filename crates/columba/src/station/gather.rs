@@ -1,12 +1,14 @@
-//! Gathering: from wherever vehicles are to the scenario's starts, all at the same time, with the expected course and speed.
+//! Gathering: from wherever vehicles are to the scenario's starts, all at the same time, with the expected course and
+//! speed.
 //!
 //! Each vehicle has a height of its own and a lane of its own: the line through its start along the expected course. It
-//! flies to the outbound leg beside its lane, follows that away from the start, turns, and comes back along its lane. Who would
-//! be early flies further out: each second further out is two seconds later at the start. On the lanes, side by side, all
-//! change to the flock's height. Nobody crosses anybody's height before that, nor anybody's lane after.
+//! flies to the outbound leg beside its lane, follows that away from the start, turns, and comes back along its lane.
+//! Who would be early flies further out: each second further out is two seconds later at the start. On the lanes, side
+//! by side, all change to the flock's height. Nobody crosses anybody's height before that, nor anybody's lane after.
 //!
 //! Sans-I/O and without memory of messages: states in, setpoints out. Vehicles that hover fly the same way.
 
+use super::track::distance_m;
 use controller::{Expected, Obstacle};
 use flight_model::{Limits, Setpoint, State, wrap_pi};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -24,13 +26,19 @@ const LANE_RAD: f64 = 0.2;
 const SETTLE_S: f64 = 12.0;
 /// Share of the speed by which being early or late is made up for.
 const SPEED_SHARE: f64 = 0.15;
+/// Vehicles further apart than this need not be apart in height before they turn to their lanes, m.
+const APART_M: f64 = 200.0;
+/// Those that are nearer must be apart by this share of a layer.
+const APART_SHARE: f64 = 0.6;
+/// A climb goes straight on where nothing stands in the next seconds, s.
+const AHEAD_S: f64 = 10.0;
 /// Distances to obstacles' edges that the way to the lanes keeps, m.
 const CLEARANCE_M: f64 = 15.0;
 
 /// Where a vehicle is on its way to its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leg {
-    /// To its own height.
+    /// To its own height, straight on, until nobody near is near it in height.
     Climb,
     /// To the outbound leg.
     Approach,
@@ -47,6 +55,8 @@ struct Part {
     layer_m: f64,
     leg: Leg,
     on_lane: bool,
+    /// The course on which it climbs.
+    climb_rad: Option<f64>,
     /// Whether it takes no part any more.
     gone: bool,
 }
@@ -87,6 +97,7 @@ impl Gather {
                 layer_m: expected.altitude_m,
                 leg: Leg::Climb,
                 on_lane: false,
+                climb_rad: None,
                 gone: false,
             })
             .collect();
@@ -126,7 +137,8 @@ impl Gather {
     pub fn step(&mut self, states: &[Option<State>], now_s: f64) -> Vec<Option<Setpoint>> {
         for (index, state) in states.iter().enumerate() {
             if let Some(state) = state {
-                self.advance(index, state);
+                let is_apart = self.is_apart(index, state, states);
+                self.advance(index, state, is_apart);
             }
         }
         self.time_the_turns(states, now_s);
@@ -173,6 +185,7 @@ impl Gather {
         for part in &mut self.parts {
             part.leg = Leg::Climb;
             part.on_lane = false;
+            part.climb_rad = None;
         }
         self.arrival_s = None;
         self.settling = false;
@@ -196,13 +209,25 @@ impl Gather {
         2.0 * self.turn_radius_m
     }
 
-    fn advance(&mut self, index: usize, state: &State) {
+    /// Whether all that are near are above or below it.
+    fn is_apart(&self, index: usize, state: &State, states: &[Option<State>]) -> bool {
+        states.iter().enumerate().all(|(other, theirs)| {
+            let Some(theirs) = theirs.filter(|_| other != index && !self.parts[other].gone) else { return true };
+            let shares_a_layer = (self.parts[other].layer_m - self.parts[index].layer_m).abs() < 1.0;
+            shares_a_layer
+                || distance_m(state, &theirs) > APART_M
+                || (state.altitude_m - theirs.altitude_m).abs() > APART_SHARE * LAYER_M
+        })
+    }
+
+    fn advance(&mut self, index: usize, state: &State, is_apart: bool) {
         let (along_m, right_m) = self.lane(index, state);
         let (outbound_m, lead_m, radius_m) = (self.outbound_m(), self.lead_m, self.turn_radius_m);
         let on_lane = self.is_on_lane(index, state);
         let part = &mut self.parts[index];
+        part.climb_rad.get_or_insert(state.course_rad);
         match part.leg {
-            Leg::Climb if (state.altitude_m - part.layer_m).abs() < 4.0 => part.leg = Leg::Approach,
+            Leg::Climb if (state.altitude_m - part.layer_m).abs() < 4.0 && is_apart => part.leg = Leg::Approach,
             Leg::Approach => {
                 let is_there =
                     (along_m + 0.5 * lead_m).abs() < 0.45 * lead_m && (right_m - outbound_m).abs() < 1.5 * radius_m;
@@ -259,6 +284,9 @@ impl Gather {
         let altitude_m = if self.settling { self.expected.altitude_m } else { part.layer_m };
         let hold = Setpoint { speed_mps: self.speed_mps, course_rad: course, altitude_m };
         match part.leg {
+            Leg::Climb if self.is_free_ahead(state, part.climb_rad) => {
+                Setpoint { course_rad: part.climb_rad.unwrap_or(state.course_rad), ..hold }
+            }
             Leg::Climb | Leg::Approach => {
                 let (sin, cos) = libm::sincos(course);
                 let (back_m, right_m) = (-0.5 * self.lead_m, self.outbound_m());
@@ -293,6 +321,18 @@ impl Gather {
         -libm::atan(right_m / (1.6 * self.turn_radius_m).max(15.0)).clamp(-1.2, 1.2)
     }
 
+    /// Whether no obstacle stands on the next seconds of a course.
+    fn is_free_ahead(&self, state: &State, course_rad: Option<f64>) -> bool {
+        let (sin, cos) = libm::sincos(course_rad.unwrap_or(state.course_rad));
+        let ahead_m = AHEAD_S * self.speed_mps;
+        self.obstacles.iter().all(|circle| {
+            let (ox, oy) = (circle.x_m - state.x_m, circle.y_m - state.y_m);
+            let (along_m, aside_m) = (ox * cos + oy * sin, oy * cos - ox * sin);
+            let radius_m = circle.radius_m + CLEARANCE_M;
+            along_m < 0.0 || along_m - radius_m > ahead_m || aside_m.abs() > radius_m
+        })
+    }
+
     /// The course to a place, round the obstacles in the way.
     fn way_to(&self, state: &State, (x_m, y_m): (f64, f64)) -> f64 {
         let (dx, dy) = (x_m - state.x_m, y_m - state.y_m);
@@ -322,7 +362,7 @@ impl Gather {
 
 #[cfg(test)]
 mod tests {
-    use super::super::track::{distance_m, slant_m};
+    use super::super::track::slant_m;
     use super::*;
     use flight_model::{Autopilot, Dynamics};
     use proptest::prelude::*;

@@ -1,5 +1,5 @@
-//! Fifth phase: every vehicle is armed, in the mode in which it follows setpoints, and its position is fresh. The flight's time
-//! zero is when this is so. Vehicles that are in the air from the beginning come straight here.
+//! Fifth phase: every vehicle is armed, in the mode in which it follows setpoints, and its position is fresh. The
+//! flight's time zero is when this is so. Vehicles that are in the air from the beginning come straight here.
 
 use super::fly::Fly;
 use super::told::Weight;

@@ -1,7 +1,8 @@
-//! Separation and clearance of what was flown: between tracks that are aligned in time, at a rate finer than telemetry's.
+//! Separation and clearance of what was flown: between tracks that are aligned in time, at a rate finer than
+//! telemetry's.
 //!
-//! A distance is judged only where both tracks are known: between two samples that were heard. Time of which nothing was
-//! heard is counted as unseen, and never judged.
+//! A distance is judged only where both tracks are known: between two samples that were heard. Time of which nothing
+//! was heard is counted as unseen, and never judged.
 
 use super::track::{Track, distance_m, velocity_mps};
 use crate::judge::{
@@ -25,8 +26,8 @@ const QUANTUM_M: f64 = 0.02;
 pub struct Ground {
     /// Time between the samples on both sides of it, the longer of two, s.
     pub sample_gap_s: f64,
-    /// By how much it may be wrong: interpolation, clocks, and what the message rounds, m. Not what the autopilot itself does not
-    /// know of its position.
+    /// By how much it may be wrong: interpolation, clocks, and what the message rounds, m. Not what the autopilot
+    /// itself does not know of its position.
     pub uncertainty_m: f64,
 }
 

@@ -16,8 +16,8 @@ pub struct Compared {
     pub notes: Vec<String>,
 }
 
-/// Compares, and narrows the model's limits to what every vehicle allows, so that the look-ahead plans no turn and no climb
-/// that a vehicle cannot fly.
+/// Compares, and narrows the model's limits to what every vehicle allows, so that the look-ahead plans no turn and no
+/// climb that a vehicle cannot fly.
 pub fn compare(expected: &Expected, limits: &mut Limits, vehicles: &[Vehicle]) -> Compared {
     let mut compared = Compared::default();
     let asked = *limits;

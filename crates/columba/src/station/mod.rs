@@ -1,9 +1,9 @@
 //! The ground station: from the ground to the ground with real autopilots.
 //!
 //! [`Station`] is sans-I/O: it takes the frames that arrive and the time, and gives the messages to send. A flight goes
-//! through phases, a file each: [connect], [preflight], [arm_takeoff], [gather_phase], [handover], [fly], [end]. What is
-//! said of the flight rests on telemetry alone ([judge]), and is told once ([told]). The sockets, the terminal and the
-//! files are in [shell] and [record].
+//! through phases, a file each: [connect], [preflight], [arm_takeoff], [gather_phase], [handover], [fly], [end]. What
+//! is said of the flight rests on telemetry alone ([judge]), and is told once ([told]). The sockets, the terminal and
+//! the files are in [shell] and [record].
 
 pub mod arm_takeoff;
 pub mod connect;
@@ -69,6 +69,8 @@ pub struct Settings {
     pub connect_patience: Duration,
     /// How long to wait until all are ready, and until all have taken off.
     pub ready_patience: Duration,
+    /// Names of the links.
+    pub links: Vec<String>,
     /// Bytes a second that each link carries; none where that is no limit.
     pub capacities: Vec<Option<f64>>,
     /// Ways to speak before anybody was heard.
@@ -235,17 +237,8 @@ impl Station {
                 }
             }
             Message::GLOBAL_POSITION_INT(data) => {
-                if let Some(last) = &vehicle.global {
-                    // Of one autopilot by two ways, or of two autopilots?
-                    let moved_deg = f64::from(data.lat.abs_diff(last.lat).max(data.lon.abs_diff(last.lon))) * 1e-7;
-                    let stamps = data.time_boot_ms.abs_diff(last.time_boot_ms);
-                    let is_elsewhere = moved_deg > 0.0005 || stamps > 3_000;
-                    if is_elsewhere
-                        && vehicle.age_s(now.as_secs_f64()).is_some_and(|age_s| age_s < 1.0)
-                        && vehicle.routes.len() > 1
-                    {
-                        vehicle.is_doubled = true;
-                    }
+                if vehicle.contradicts_another_way(data, route, now) {
+                    vehicle.is_doubled = true;
                 }
                 vehicle.hear(&message, now, &local_frame);
             }
@@ -437,12 +430,21 @@ impl Station {
     /// The messages that ask a vehicle for a setpoint, by its kind's encoder.
     pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
         let vehicle = self.vehicles.get(index)?;
+        // Wind and thin air, but never an airspeed that the vehicle refuses.
+        let asked_mps = setpoint.speed_mps + vehicle.airspeed_excess_mps;
+        let limits = vehicle.limits.unwrap_or_default();
+        let airspeed_mps = match (limits.speed_min_mps, limits.speed_max_mps) {
+            (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
+                asked_mps.clamp(least, greatest)
+            }
+            _ => asked_mps,
+        };
         let situation = Situation {
             state: self.state_now(index, now)?,
             frame: &self.frame,
             local_origin_amsl_m: vehicle.local_origin_amsl_m,
             limits: &self.limits,
-            airspeed_excess_mps: vehicle.airspeed_excess_mps,
+            airspeed_excess_mps: airspeed_mps - setpoint.speed_mps,
             now,
         };
         match vehicle.driver()?.setpoint(vehicle.target, setpoint, &situation) {

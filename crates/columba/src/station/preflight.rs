@@ -116,7 +116,13 @@ impl Preflight {
             station.told.tell(now.as_secs_f64(), None, Weight::Note, "a dry run: nobody is commanded");
             return Phase::Over(None);
         }
-        if station.vehicles[station.crew()].iter().any(Vehicle::on_ground) {
+        // Who flies already is taken over where the flock is; from anywhere else all gather first.
+        let expected_m = station.scenario.expected.altitude_m;
+        let flies_with_the_flock = |vehicle: &Vehicle| {
+            let altitude_m = vehicle.track.last().map_or(f64::NAN, |sample| sample.state.altitude_m);
+            !vehicle.on_ground() && (vehicle.follows() || !vehicle.armed) && (altitude_m - expected_m).abs() < 6.0
+        };
+        if !station.vehicles[station.crew()].iter().all(flies_with_the_flock) {
             Phase::TakeOff(arm_takeoff::TakeOff::new(station, now))
         } else {
             Phase::HandOver(handover::HandOver::new(now))

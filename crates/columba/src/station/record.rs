@@ -1,5 +1,6 @@
-//! The record is on disk as it flies: `flight.tlog` with every frame at its own time, and `flight.journal` with every tick and
-//! event, a line of JSON each. A full disk does not end the flight. `columba recover` makes the rest of a folder from them.
+//! The record is on disk as it flies: `flight.tlog` with every frame at its own time, and `flight.journal` with every
+//! tick and event, a line of JSON each. A full disk does not end the flight. `columba recover` makes the rest of a
+//! folder from them.
 
 use super::told::Event;
 use crate::flight::{Field, Flight, Obstacle, Row, Setting, Summary, Tick, Trajectory};
@@ -313,8 +314,8 @@ fn push(trajectory: &mut Trajectory, tick: &Value) {
     trajectory.push(tick, rows);
 }
 
-/// The flight as the report can draw it: a vehicle that was not heard stays where it was heard last, and one that never was, at
-/// the origin. The record keeps what is not known as such.
+/// The flight as the report can draw it: a vehicle that was not heard stays where it was heard last, and one that never
+/// was, at the origin. The record keeps what is not known as such.
 pub fn drawable(flight: &Flight) -> Flight {
     let mut drawn = flight.clone();
     let vehicles = drawn.trajectory.vehicles;

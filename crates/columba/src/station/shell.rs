@@ -302,7 +302,8 @@ fn unix() -> Duration {
     SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default()
 }
 
-/// What the operator types, line by line. Nothing where the program is in the background of a terminal: to read there would stop it.
+/// What the operator types, line by line. Nothing where the program is in the background of a terminal: to read there
+/// would stop it.
 fn operator_lines() -> mpsc::UnboundedReceiver<String> {
     let (tell, lines) = mpsc::unbounded_channel();
     if !std::io::stdin().is_terminal() || is_in_foreground() {

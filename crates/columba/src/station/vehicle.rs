@@ -91,6 +91,8 @@ pub struct Vehicle {
     pub local_origin_amsl_m: Option<f64>,
     /// The last LOCAL_POSITION_NED: stamp, north, east, down.
     local: Option<(u32, [f64; 3])>,
+    /// By which route and when the last position came.
+    global_came: Option<(Route, Duration)>,
     /// The last GLOBAL_POSITION_INT, before it is brought into a frame.
     pub global: Option<GLOBAL_POSITION_INT_DATA>,
     /// Airspeed less ground speed, slowly, m/s.
@@ -151,6 +153,7 @@ impl Vehicle {
             origin: None,
             local_origin_amsl_m: None,
             local: None,
+            global_came: None,
             global: None,
             airspeed_excess_mps: 0.0,
             airspeed_heard: None,
@@ -303,6 +306,25 @@ impl Vehicle {
         self.track.push(Sample { at_s, state: state(data, frame) })
     }
 
+    /// Whether a position by one route contradicts the last one by another: two autopilots speak with one system id
+    /// then.
+    pub fn contradicts_another_way(&mut self, data: &GLOBAL_POSITION_INT_DATA, route: Route, now: Duration) -> bool {
+        let before = self.global_came.replace((route, now));
+        let (Some(last), Some((other, heard))) = (&self.global, before) else { return false };
+        let since_s = now.saturating_sub(heard).as_secs_f64();
+        if other == route || since_s > 1.0 {
+            return false;
+        }
+        const METRES_PER_UNIT: f64 = 0.011_132;
+        let north_m = f64::from(data.lat.abs_diff(last.lat)) * METRES_PER_UNIT;
+        let east_m =
+            f64::from(data.lon.abs_diff(last.lon)) * METRES_PER_UNIT * libm::cos(place(data).latitude_deg.to_radians());
+        let speed_mps = 0.01 * libm::hypot(f64::from(data.vx), f64::from(data.vy));
+        let moved_m = 5.0 + 2.0 * speed_mps * since_s.max(0.5);
+        let stamps_s = 1e-3 * f64::from(data.time_boot_ms.abs_diff(last.time_boot_ms));
+        libm::hypot(north_m, east_m) > moved_m || stamps_s > 3.0
+    }
+
     fn hear_local(&mut self, data: &LOCAL_POSITION_NED_DATA) {
         self.local = Some((data.time_boot_ms, [data.x, data.y, data.z].map(f64::from)));
     }
@@ -364,7 +386,8 @@ impl Vehicle {
         }
     }
 
-    /// By how much its own two positions contradict each other, m: the global one, and the local one from its own origin.
+    /// By how much its own two positions contradict each other, m: the global one, and the local one from its own
+    /// origin.
     pub fn contradiction_m(&self) -> Option<f64> {
         let (stamp, [north_m, east_m, _]) = self.local?;
         let (global, origin) = (self.global.as_ref()?, self.origin?);
@@ -392,8 +415,9 @@ fn place(data: &GLOBAL_POSITION_INT_DATA) -> Geodetic {
     }
 }
 
-/// GLOBAL_POSITION_INT in a local frame, at full precision (<https://mavlink.io/en/messages/common.html#GLOBAL_POSITION_INT>).
-/// A vehicle that stands has the course of its nose.
+/// GLOBAL_POSITION_INT in a local frame, at full precision
+/// (<https://mavlink.io/en/messages/common.html#GLOBAL_POSITION_INT>). A vehicle that stands has the course of its
+/// nose.
 pub fn state(data: &GLOBAL_POSITION_INT_DATA, frame: &LocalFrame) -> State {
     let (x_m, y_m, altitude_m) = frame.to_local(&place(data));
     let (north_mps, east_mps) = (0.01 * f64::from(data.vx), 0.01 * f64::from(data.vy));

@@ -1,7 +1,7 @@
 //! ArduCopter in GUIDED (<https://ardupilot.org/dev/docs/copter-commands-in-guided-mode.html>): a stream of velocities.
 //!
-//! Any of x, y, z ignored makes it ignore the whole position, so altitude is held by the vertical velocity. It stops 3 s
-//! after the last velocity. Other frames than LOCAL_NED and other masks stop it.
+//! Any of x, y, z ignored makes it ignore the whole position, so altitude is held by the vertical velocity. It stops 3
+//! s after the last velocity. Other frames than LOCAL_NED and other masks stop it.
 
 use super::commands::{arm, command_long, set_mode};
 use super::{Launch, Parameters, Seen, Situation, VehicleLimits};

@@ -1,9 +1,10 @@
-//! ArduPlane in GUIDED (<https://ardupilot.org/plane/docs/guided-mode.html>): three commands for speed, altitude and course.
+//! ArduPlane in GUIDED (<https://ardupilot.org/plane/docs/guided-mode.html>): three commands for speed, altitude and
+//! course.
 //!
-//! It keeps the last of each for ever, and answers each. Course is over ground, speed is equivalent airspeed, altitude is sent
-//! above mean sea level. Param 3 of the course is the greatest lateral acceleration: from the model's own limit, so that the
-//! plane turns as the look-ahead thinks it does. Param 3 of the altitude is not used: ArduPlane 4.6 and later climb at a
-//! thirtieth of it.
+//! It keeps the last of each for ever, and answers each. Course is over ground, speed is equivalent airspeed, altitude
+//! is sent above mean sea level. Param 3 of the course is the greatest lateral acceleration: from the model's own
+//! limit, so that the plane turns as the look-ahead thinks it does. Param 3 of the altitude is not used: ArduPlane 4.6
+//! and later climb at a thirtieth of it.
 
 use super::commands::{arm, command_int, set_mode};
 use super::{Launch, Parameters, Seen, Situation, VehicleLimits, airspeed_mps, amsl_m};
@@ -18,7 +19,8 @@ const RTL: u32 = 11;
 const LOITER: u32 = 12;
 const TAKEOFF: u32 = 13;
 
-/// Loiter, return, land. To land, RTL needs a landing sequence on board, or RTL_AUTOLAND; without, it circles above home.
+/// Loiter, return, land. To land, RTL needs a landing sequence on board, or RTL_AUTOLAND; without, it circles above
+/// home.
 pub(super) const END_MODES: [u32; 3] = [LOITER, RTL, RTL];
 
 /// Names before 4.5 stand behind the present ones.

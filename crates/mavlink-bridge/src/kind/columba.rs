@@ -1,5 +1,5 @@
-//! Columba's own vehicles of no autopilot in particular (`columba vehicles --personality generic`): one setpoint message for
-//! speed, course and altitude in GUIDED, take-off and landing by commands.
+//! Columba's own vehicles of no autopilot in particular (`columba vehicles --personality generic`): one setpoint
+//! message for speed, course and altitude in GUIDED, take-off and landing by commands.
 
 use super::commands::{arm, command_long, set_mode};
 use super::{Launch, Seen, Situation, arduplane, local_m};

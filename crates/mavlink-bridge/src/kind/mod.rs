@@ -1,8 +1,9 @@
 //! The kinds of autopilots that can be flown, and how each is commanded: one file for each kind.
 //!
 //! A [`Driver`] turns a speed, a course and an altitude into the messages that its autopilot follows, and knows how the
-//! autopilot takes off, holds, returns and lands. It is sans-I/O: what it needs to know is in [`Seen`] and [`Situation`].
-//! A kind that is not here is refused by name ([`Driver::for_autopilot`]), and never sent another kind's numbers.
+//! autopilot takes off, holds, returns and lands. It is sans-I/O: what it needs to know is in [`Seen`] and
+//! [`Situation`]. A kind that is not here is refused by name ([`Driver::for_autopilot`]), and never sent another kind's
+//! numbers.
 
 // Autopilots still speak what the dialect calls superseded.
 #![allow(deprecated)]
@@ -185,7 +186,8 @@ pub struct Situation<'a> {
     pub local_origin_amsl_m: Option<f64>,
     /// Limits of the model by which the setpoint was chosen, with what the vehicle itself allows.
     pub limits: &'a Limits,
-    /// Airspeed as the autopilot counts it, less the speed over ground, m/s: wind along the way and thin air. Slowly varying.
+    /// Airspeed as the autopilot counts it, less the speed over ground, m/s: wind along the way and thin air. Slowly
+    /// varying.
     pub airspeed_excess_mps: f64,
     /// Time on the ground's clock.
     pub now: Duration,

@@ -1,6 +1,6 @@
-//! PX4 on a fixed wing. From 1.18 on it has Guided Course, which takes speed, course and altitude by commands and keeps the last
-//! of each. Before, the way that every version follows is Hold with a place far ahead, told again and again. Its Offboard takes
-//! velocities and does not follow them.
+//! PX4 on a fixed wing. From 1.18 on it has Guided Course, which takes speed, course and altitude by commands and keeps
+//! the last of each. Before, the way that every version follows is Hold with a place far ahead, told again and again.
+//! Its Offboard takes velocities and does not follow them.
 
 use super::commands::{command_int, command_long, set_px4_mode};
 use super::px4_multicopter::{HOLD, TAKEOFF, take_off};
@@ -63,7 +63,8 @@ pub(super) fn setpoint(
     if !has_guided_course(version) {
         let place = ahead(situation, setpoint.course_rad, CARROT_M);
         let (x, y) = ((place.latitude_deg * 1e7).round() as i32, (place.longitude_deg * 1e7).round() as i32);
-        // p2: it goes into Hold by itself. p4, the yaw, is left to the autopilot. z is above mean sea level whatever the frame.
+        // p2: it goes into Hold by itself. p4, the yaw, is left to the autopilot. z is above mean sea level whatever
+        // the frame.
         let params = [speed_mps, 1.0, 0.0, f32::NAN];
         let frame = MavFrame::MAV_FRAME_GLOBAL;
         return Ok(vec![command_int(target, MavCmd::MAV_CMD_DO_REPOSITION, frame, params, (x, y, altitude_m))]);

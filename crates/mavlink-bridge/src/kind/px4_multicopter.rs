@@ -1,8 +1,9 @@
-//! PX4 on a multicopter, in Offboard (<https://docs.px4.io/main/en/flight_modes/offboard.html>): a stream of velocities with an
-//! altitude.
+//! PX4 on a multicopter, in Offboard (<https://docs.px4.io/main/en/flight_modes/offboard.html>): a stream of velocities
+//! with an altitude.
 //!
-//! Mask 0xDE3 (vx, vy and z) holds altitude to centimetres. A stream with gaps of more than COM_OF_LOSS_T (1 s) is lost: the
-//! vehicle returns, and comes back into Offboard by itself when the stream does. Other masks stop it without a word.
+//! Mask 0xDE3 (vx, vy and z) holds altitude to centimetres. A stream with gaps of more than COM_OF_LOSS_T (1 s) is
+//! lost: the vehicle returns, and comes back into Offboard by itself when the stream does. Other masks stop it without
+//! a word.
 
 use super::commands::{arm, set_px4_mode};
 use super::{Launch, Parameters, Seen, Situation, VehicleLimits, local_m};

@@ -3,10 +3,11 @@
 use crate::frame::{Candidate, is_start_byte};
 use crate::{Counters, Frame, FrameError};
 
-/// Finds frames in bytes that come in pieces, and keeps what belongs to a frame that is not whole yet. One for each peer.
+/// Finds frames in bytes that come in pieces, and keeps what belongs to a frame that is not whole yet. One for each
+/// peer.
 ///
-/// Frames with a message id that no dialect knows are handed out too: nothing verifies them, but a log must hold them and a
-/// sequence number is theirs.
+/// Frames with a message id that no dialect knows are handed out too: nothing verifies them, but a log must hold them
+/// and a sequence number is theirs.
 #[derive(Clone, Debug, Default)]
 pub struct Framer {
     kept: Vec<u8>,

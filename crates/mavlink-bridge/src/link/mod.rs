@@ -1,8 +1,8 @@
 //! Links to autopilots: UDP, TCP and serial lines, by the connection strings that users type.
 //!
-//! [`Connection`] is what a user asks for; [`Links`] opens any number of them, keeps them open, and hands over what arrives.
-//! [`Framer`] finds frames in it, [`Signing`] verifies and signs them, [`VehicleClock`] tells when a message was flown. All but
-//! [`Links`] is sans-I/O.
+//! [`Connection`] is what a user asks for; [`Links`] opens any number of them, keeps them open, and hands over what
+//! arrives. [`Framer`] finds frames in it, [`Signing`] verifies and signs them, [`VehicleClock`] tells when a message
+//! was flown. All but [`Links`] is sans-I/O.
 
 mod clock;
 mod connection;

@@ -1,5 +1,5 @@
-//! The links of a ground station, on a thread of their own, so that what arrives is stamped when it arrives and not when
-//! somebody has time for it.
+//! The links of a ground station, on a thread of their own, so that what arrives is stamped when it arrives and not
+//! when somebody has time for it.
 
 use super::{Connection, HostPort, serial, tcp, udp};
 use crate::{ImpairmentSettings, LinkError};
@@ -9,7 +9,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
 
-/// What may wait to be sent on one link: a serial line that is slower than what it is given loses the rest, and says so.
+/// What may wait to be sent on one link: a serial line that is slower than what it is given loses the rest, and says
+/// so.
 const QUEUE_MAX: usize = 256;
 /// A link that is down is tried again after this.
 pub(super) const RETRY: Duration = Duration::from_millis(500);
@@ -112,7 +113,8 @@ pub struct Links {
 }
 
 impl Links {
-    /// Opens links. What waits for others is bound before this returns; what connects to others is tried until it works.
+    /// Opens links. What waits for others is bound before this returns; what connects to others is tried until it
+    /// works.
     ///
     /// # Errors
     /// When an address cannot be bound, or a host name has no address.
@@ -135,7 +137,8 @@ impl Links {
         self.addresses.get(link).copied().flatten()
     }
 
-    /// Hands bytes to a link. What the link cannot take, because it is slower than what it is given, is lost and counted.
+    /// Hands bytes to a link. What the link cannot take, because it is slower than what it is given, is lost and
+    /// counted.
     pub fn send(&mut self, link: usize, peer: Peer, bytes: Vec<u8>) {
         if let Some(queue) = self.queues.get(link)
             && queue.try_send((peer, bytes)).is_err()

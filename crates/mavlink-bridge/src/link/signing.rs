@@ -1,7 +1,7 @@
 //! MAVLink 2 signatures (<https://mavlink.io/en/guide/message_signing.html>).
 //!
-//! A signed frame ends with 13 bytes: the id of the link, a time stamp of 48 bits in units of 10 us since 2015-01-01, and the
-//! first 48 bits of SHA-256 over the secret key and all that stands before.
+//! A signed frame ends with 13 bytes: the id of the link, a time stamp of 48 bits in units of 10 us since 2015-01-01,
+//! and the first 48 bits of SHA-256 over the secret key and all that stands before.
 
 use crate::frame::{CHECKSUM, SIGNATURE, SIGNED, V2_HEADER, V2_START, checksum, checksum_extra};
 use crate::{Frame, Version};
@@ -115,7 +115,8 @@ impl Signing {
         self.rejected
     }
 
-    /// Appends `frame` with a signature to `out`. A frame of MAVLink 1, or one that is signed already, is appended as it is.
+    /// Appends `frame` with a signature to `out`. A frame of MAVLink 1, or one that is signed already, is appended as
+    /// it is.
     pub fn sign(&mut self, frame: &[u8], now: u64, out: &mut Vec<u8>) {
         let Some(signed) = self.signed(frame, now) else {
             out.extend_from_slice(frame);
@@ -202,8 +203,8 @@ mod tests {
         out
     }
 
-    // Made by pymavlink 2.4.50: mav.signing.secret_key = bytes([7] * 32), link_id = 3, timestamp = NOW, sign_outgoing = True,
-    // MAVLink(None, srcSystem=255, srcComponent=190), heartbeat_send(6, 8, 0, 0, 4).
+    // Made by pymavlink 2.4.50: mav.signing.secret_key = bytes([7] * 32), link_id = 3, timestamp = NOW, sign_outgoing =
+    // True, MAVLink(None, srcSystem=255, srcComponent=190), heartbeat_send(6, 8, 0, 0, 4).
     #[test]
     fn a_signed_frame_has_the_bytes_that_others_write() {
         let mut signing = Signing::new(key(7), 3, NOW - 1);

@@ -20,7 +20,15 @@ impl Autopilot {
             Action::Warn => {}
             // It is told with the next heartbeat, and no fence takes it for a pilot's.
             Action::Mode(mode) if cause == Cause::Setpoints => self.flight.set_mode(mode),
+            // Without a mission AUTO returns.
+            Action::Mode(Mode::Auto) => {
+                let _ = self.enter(Mode::Auto);
+            }
             Action::Mode(mode) => self.set_mode(mode),
+            Action::Glide => {
+                self.set_mode(Mode::Fbwa);
+                self.flight.glide();
+            }
             Action::Land => self.land_or_return(),
         }
         match cause {

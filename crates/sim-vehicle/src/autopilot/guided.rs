@@ -39,9 +39,10 @@ impl Autopilot {
         self.enter(Mode::Auto)
     }
 
-    pub(crate) fn set_current_mission_item(&mut self, seq: f32) -> Result<(), CommandError> {
+    /// Param 1: the item. Param 2: 1 to begin counting jumps anew.
+    pub(crate) fn set_current_mission_item(&mut self, [seq, reset]: [f32; 2]) -> Result<(), CommandError> {
         check_finite("Mission", &[seq])?;
-        self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX))
+        self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX), reset == 1.0)
     }
 
     pub(crate) fn check_guided_command(&self, name: &str) -> Result<(), CommandError> {
@@ -141,23 +142,43 @@ impl Autopilot {
         Ok(())
     }
 
-    /// Param 1: airspeed (0) or ground speed (1). Param 2: m/s, or -2 for AIRSPEED_CRUISE. Param 3: a throttle in
-    /// percent, which has no effect on how this flight model flies.
-    pub(crate) fn change_speed(&mut self, [kind, speed_mps, throttle_percent]: [f32; 3]) -> Result<(), CommandError> {
+    /// DO_CHANGE_SPEED, in GUIDED and AUTO.
+    pub(crate) fn change_speed(&mut self, params: [f32; 3]) -> Result<(), CommandError> {
         if self.mode() != Mode::Auto {
             self.check_guided_command("Speed")?;
         }
-        check_finite("Speed", &[kind, speed_mps])?;
-        if !(0..=1).contains(&integer(kind)) {
-            return Err(CommandError::failed("Speed: only air and ground speed can be set"));
-        }
-        let usual = integer(kind) == 0 && speed_mps == -2.0;
-        let speed_mps = if usual { self.parameters.get(Parameter::AirspeedCruise) } else { speed_mps };
-        match self.check_speed(speed_mps) {
-            Ok(()) => self.flight.set_speed(f64::from(speed_mps), f64::INFINITY),
-            Err(_) if throttle_percent > 0.0 && throttle_percent <= 100.0 => {}
-            Err(refusal) => return Err(refusal),
-        }
-        Ok(())
+        check_finite("Speed", &params[..2])?;
+        self.change_speed_as_arduplane(params)
+    }
+
+    /// Param 1: airspeed (0), ground speed (1), or others, which an ArduPlane has not. Param 2: m/s, or -2 for
+    /// AIRSPEED_CRUISE; a ground speed is the least one that it flies, as far as its airspeed may rise. Param 3: a
+    /// throttle in percent, which is accepted where there is no speed, and has no effect on how this flight model flies.
+    pub(crate) fn change_speed_as_arduplane(
+        &mut self,
+        [kind, speed_mps, throttle]: [f32; 3],
+    ) -> Result<(), CommandError> {
+        let refused = match integer(kind) {
+            0 if speed_mps == -2.0 => {
+                let usual_mps = self.parameters.get(Parameter::AirspeedCruise);
+                self.flight.set_speed(f64::from(usual_mps), f64::INFINITY);
+                return Ok(());
+            }
+            0 => match self.check_speed(speed_mps) {
+                Ok(()) => {
+                    self.flight.set_speed(f64::from(speed_mps), f64::INFINITY);
+                    self.say(Severity::Info, &format!("Set airspeed {speed_mps:.0} m/s"));
+                    return Ok(());
+                }
+                Err(refusal) => refusal,
+            },
+            1 => {
+                self.flight.set_least_ground_speed(f64::from(speed_mps));
+                self.say(Severity::Info, &format!("Set groundspeed {speed_mps:.0}"));
+                return Ok(());
+            }
+            _ => CommandError::failed("Speed: only air and ground speed can be set"),
+        };
+        if throttle > 0.0 && throttle <= 100.0 { Ok(()) } else { Err(refused) }
     }
 }

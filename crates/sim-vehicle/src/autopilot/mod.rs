@@ -7,6 +7,7 @@
 mod arbiter;
 pub(crate) mod arming;
 mod automation;
+pub(crate) mod calibration;
 pub(crate) mod event;
 pub(crate) mod failsafe;
 pub(crate) mod fence;
@@ -116,10 +117,22 @@ impl Autopilot {
     }
 
     /// As it was switched on, where it stands: parameters and plans are kept, and all that has been told it since is
-    /// gone. Its time goes on, for the clock does.
+    /// gone, its home too. Its time goes on, for the clock does.
     pub fn reboot(&mut self) {
+        if self.flight.is_armed() {
+            self.disarm();
+        }
         self.session = Session::default();
         self.set_mode(self.boot_mode);
+        if self.flight.is_on_ground() {
+            self.set_home_here();
+        } else {
+            self.set_home(Home::default());
+        }
+        self.flight.set_speed(f64::from(self.parameters.get(Parameter::AirspeedCruise)), f64::INFINITY);
+        self.flight.set_least_ground_speed(0.0);
+        let capacity_mah = f64::from(self.parameters.get(Parameter::BatteryCapacity));
+        self.world.reset_battery(&self.parameters, capacity_mah, 1.0);
         self.session.progress = Progress::at_beginning(&self.mission);
         self.session.fence.reconfigure(Parameter::FenceEnable, &self.parameters);
     }
@@ -394,17 +407,41 @@ impl Autopilot {
     /// that it is another one, and not the old one with some items changed.
     pub fn replace_plan(&mut self, kind: PlanKind, items: Vec<PlanItem>, anew: bool) -> Result<(), PlanError> {
         match kind {
+            // To a PX4 the same mission again goes on where it is.
+            PlanKind::Mission if self.rules.judges_plans_as_px4 && items == self.mission.items() => {}
             PlanKind::Mission => {
-                self.mission.replace(items);
+                let is_feasible = !self.rules.judges_plans_as_px4 || self.judge_mission(&items);
+                self.mission.replace(items, is_feasible);
                 self.session.progress.mission_changed(&self.mission, anew, self.rules.resumes_after_upload);
                 if self.mode() == Mode::Auto && !self.mission.is_flyable() {
                     self.end_mission("Mission cleared");
                 }
             }
+            PlanKind::Fence if self.rules.judges_plans_as_px4 => self.replace_fence_parts(&items),
             PlanKind::Fence => self.fence.replace(&items, &self.frame)?,
             PlanKind::Rally => self.rally.replace(&items),
         }
         Ok(())
+    }
+
+    /// Whether a PX4 flies a mission; says why not.
+    fn judge_mission(&mut self, items: &[PlanItem]) -> bool {
+        let home_m = self.flight.home().altitude_m;
+        let is_landed = !self.flight.is_flying();
+        let above_home_m = |item: &PlanItem| self.reference().altitude_of(item) - home_m;
+        let verdict = mission::feasibility::check(items, is_landed, above_home_m);
+        if let Err(reason) = &verdict {
+            self.say(Severity::Critical, reason);
+        }
+        verdict.is_ok()
+    }
+
+    fn replace_fence_parts(&mut self, items: &[PlanItem]) {
+        let acts = self.parameters.get(Parameter::FenceAction) != 0.0 && self.flight.is_flying();
+        let flying = acts.then(|| self.flight.here());
+        for text in self.fence.replace_parts(items, &self.frame, self.flight.home().at(), flying) {
+            self.say(Severity::Critical, text);
+        }
     }
 
     /// A mission is over.

@@ -1,5 +1,6 @@
 //! All that a reboot forgets.
 
+use super::calibration::Calibration;
 use super::failsafe::Failsafes;
 use super::fence::monitor::FenceMonitor;
 use super::habits::Habits;
@@ -16,6 +17,8 @@ pub(crate) struct Session {
     pub progress: Progress,
     pub channels: Channels,
     pub habits: Habits,
+    /// What is being calibrated.
+    pub calibration: Option<Calibration>,
     /// What stood against arming when that was last looked at.
     pub arming_reason: Option<String>,
     /// Whether somebody has set home: then arming leaves it.

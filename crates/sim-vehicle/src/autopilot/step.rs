@@ -15,6 +15,7 @@ impl Autopilot {
         self.check_failsafes();
         self.check_fence();
         self.follow_mission();
+        self.follow_calibration();
         self.follow_streams();
         self.tell_what_is_against_arming();
     }

@@ -3,28 +3,29 @@
 use super::rules::{CommandSet, Rules, TargetSet};
 use super::{arduplane, generic, px4};
 use crate::autopilot::Autopilot;
-use crate::error::CommandError;
+use crate::autopilot::input::integer;
+use crate::autopilot::plan::PlanKind;
+use crate::error::{CommandError, CommandResult, PlanError};
 use crate::mode::Mode;
 use crate::protocol::command::request::Command;
 use mavlink_bridge::dialect::{SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA};
+use mavlink_bridge::{CommandPosition, PlanItem};
 
 /// What the autopilot makes of a command, if it is not ArduPlane's answer.
 pub(crate) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Result<(), CommandError>> {
-    let rules = autopilot.rules();
-    let for_device = || for_device(rules, command.command as u32 as u16, command.params[0]);
-    match rules.commands {
-        CommandSet::ArduPlane => for_device(),
-        CommandSet::Px4 => px4::commands::execute(autopilot, command).or_else(for_device),
+    match autopilot.rules().commands {
+        CommandSet::ArduPlane => arduplane::commands::execute(command),
+        CommandSet::Px4 => px4::commands::execute(autopilot, command),
         CommandSet::Generic => generic::commands::execute(autopilot, command),
     }
 }
 
 /// The answer to a command for a device that is not there; none if it is not for one, or the autopilot knows no such
 /// command.
-pub(crate) fn for_device(rules: &Rules, command: u16, param_1: f32) -> Option<Result<(), CommandError>> {
+pub(crate) fn for_device(rules: &Rules, command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
     match rules.commands {
-        CommandSet::ArduPlane => arduplane::devices::answer(command, param_1),
-        CommandSet::Px4 => px4::commands::accepts_without_device(command).then_some(Ok(())),
+        CommandSet::ArduPlane => arduplane::devices::answer(command, params),
+        CommandSet::Px4 => px4::preflight::answer_by_number(command),
         CommandSet::Generic => None,
     }
 }
@@ -38,19 +39,33 @@ pub(crate) fn change_mode(autopilot: &mut Autopilot, mode: Mode) -> Result<(), C
 }
 
 /// Whether PREFLIGHT_REBOOT_SHUTDOWN starts the vehicle anew. Param 1: 1 to start anew, or 3, for a boot loader that
-/// there is none of.
-pub(crate) fn check_reboot(rules: &Rules, is_armed: bool, p1: f32) -> Result<bool, CommandError> {
-    let is_px4 = rules.commands == CommandSet::Px4;
-    if is_armed {
-        let reason = "Reboot: it is armed";
-        return Err(if is_px4 { CommandError::denied(reason) } else { CommandError::failed(reason) });
+/// there is none of. An armed ArduPlane does so by force alone: param 6 is 20190226. To a PX4 param 1 = 0 asks for
+/// nothing.
+pub(crate) fn check_reboot(rules: &Rules, is_armed: bool, command: &Command) -> Result<bool, CommandError> {
+    let p1 = command.params[0];
+    if rules.commands == CommandSet::Px4 {
+        return match integer(p1) {
+            0 => Ok(false),
+            1 | 3 if !is_armed => Ok(true),
+            _ => Err(CommandError::denied("Reboot: it is armed, or param 1 is neither 0, 1 nor 3")),
+        };
     }
-    match p1 {
-        1.0 | 3.0 => Ok(true),
-        // PX4: nothing for the autopilot.
-        0.0 if is_px4 => Ok(false),
-        _ if is_px4 => Err(CommandError::denied("Reboot: param 1 must be 1")),
-        _ => Err(CommandError::unsupported()),
+    if is_armed && !is_reboot_forced(command) {
+        return Err(CommandError::failed("Reboot: it is armed"));
+    }
+    if p1 != 1.0 && p1 != 3.0 {
+        return Err(CommandError::new(CommandResult::Unsupported, "Reboot: param 1 must be 1 or 3"));
+    }
+    Ok(true)
+}
+
+/// The number that reboots an armed ArduPlane, in param 6 or y.
+const REBOOT_BY_FORCE: i32 = 20_190_226;
+
+fn is_reboot_forced(command: &Command) -> bool {
+    match command.position {
+        CommandPosition::Int(position) => position.longitude_e7 == REBOOT_BY_FORCE,
+        CommandPosition::Long([_, p6]) => p6 == REBOOT_BY_FORCE as f32,
     }
 }
 
@@ -77,5 +92,18 @@ pub(crate) fn take_global_target(autopilot: &mut Autopilot, data: &SET_POSITION_
 pub(crate) fn take_attitude(autopilot: &mut Autopilot) {
     if autopilot.rules().hears_attitude_targets {
         px4::offboard::take_attitude(autopilot);
+    }
+}
+
+/// Whether an item can be one of a plan, and why not; none if that is every vehicle's check.
+pub(crate) fn check_plan_item(
+    rules: &Rules,
+    kind: PlanKind,
+    item: &PlanItem,
+    by_integers: bool,
+) -> Option<Result<(), PlanError>> {
+    match rules.commands {
+        CommandSet::Px4 => Some(px4::mission_items::check(kind, item, by_integers)),
+        CommandSet::ArduPlane | CommandSet::Generic => None,
     }
 }

@@ -3,9 +3,11 @@
 //!
 //! Each autopilot is one const of [`Rules`] and its tables, in a folder that reads as a page about it.
 
+mod addressing;
 pub(crate) mod answers;
 mod arduplane;
 mod generic;
+pub(crate) mod offers;
 mod px4;
 pub(crate) mod rules;
 mod targets;

@@ -90,6 +90,9 @@ pub(crate) struct Rules {
     pub watches_streams: bool,
 
     // Missions.
+    /// Whether plans are judged and flown as a PX4 does it: the parts of a fence each for itself, a mission that it takes
+    /// and does not fly, the ends of loiters.
+    pub judges_plans_as_px4: bool,
     /// The index of the first item that is flown: ArduPlane's item 0 is home.
     pub first_mission_item: u16,
     /// Whether a mission that takes the place of one under way goes on at the same item.

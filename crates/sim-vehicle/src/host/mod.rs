@@ -129,7 +129,7 @@ impl Host {
             .map(|(vehicle, mut own)| {
                 if let Some(folder) = &settings.state_folder {
                     own.kept_parameters = file::read_kept(&file::path(folder, vehicle))?;
-                    own.plans = plan_file::read(folder, vehicle)?;
+                    own.plans = plan_file::read(folder, vehicle, own.personality)?;
                 }
                 settings.set_grounds(vehicle, &mut own);
                 let built = match settings.clock {

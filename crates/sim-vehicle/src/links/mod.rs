@@ -29,7 +29,7 @@ pub struct Transmit {
 /// The largest datagram: below what any network splits.
 pub(crate) const DATAGRAM_BYTES_MAX: usize = 1200;
 /// A peer that says nothing for so long is forgotten (the ground address never is).
-pub(crate) const SILENCE_MAX: Duration = Duration::from_secs(30);
+pub(crate) const SILENCE_MAX: Duration = Duration::from_secs(120);
 /// Most peers at a time; a new one displaces the most silent. Fifty clients of a group of vehicles speak to all of
 /// them.
 pub(crate) const LINKS_MAX: usize = 64;
@@ -71,6 +71,8 @@ struct Link {
     /// Until when, host time, it gets telemetry a quarter as often, and how often each stream has been due since.
     slow_until: Duration,
     due_while_slow: [u8; Stream::COUNT],
+    /// The rates that were asked for of messages that have one and no content, by their ids.
+    noted_intervals: Vec<(u32, Duration)>,
 }
 
 impl Links {
@@ -162,6 +164,7 @@ impl Links {
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {
             link.schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
+            link.noted_intervals.clear();
         }
         self.find_next_due();
     }
@@ -245,6 +248,7 @@ impl Links {
             has_old_items: false,
             slow_until: Duration::ZERO,
             due_while_slow: [0; Stream::COUNT],
+            noted_intervals: Vec::new(),
         });
         self.find_next_due();
         self.links.len() - 1
@@ -332,6 +336,18 @@ impl Links {
     pub fn set_interval(&mut self, index: usize, stream: Stream, interval: Option<Duration>, time: Duration) {
         self.links[index].schedule.set_interval(stream, interval, time);
         self.find_next_due();
+    }
+
+    /// Remembers the rate that was asked for of a message that has no content; none for never.
+    pub fn note_interval(&mut self, index: usize, message_id: u32, interval: Option<Duration>) {
+        let noted = &mut self.links[index].noted_intervals;
+        noted.retain(|(id, _)| *id != message_id);
+        noted.extend(interval.map(|interval| (message_id, interval)));
+    }
+
+    /// The rate that was asked for of a message that has no content.
+    pub fn noted_interval(&self, index: usize, message_id: u32) -> Option<Duration> {
+        self.links[index].noted_intervals.iter().find(|(id, _)| *id == message_id).map(|(_, interval)| *interval)
     }
 
     /// From here to [`end_batch`](Self::end_batch), what is sent is kept to be sent again. What a link kept before is

@@ -162,7 +162,7 @@ parameters! {
 
     // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;
-    LongFailsafeAction: "FS_LONG_ACTN", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    LongFailsafeAction: "FS_LONG_ACTN", INT8, |_| 0.0, |_| (0.0, 5.0), Effect::LookedUp;
     LongFailsafeTimeout: "FS_LONG_TIMEOUT", REAL, |_| 5.0, |_| (1.0, 300.0), Effect::LookedUp;
 
     // ArduCopter's name: ArduPlane reckons on and has no action to choose.
@@ -176,8 +176,8 @@ parameters! {
     BatteryLowCharge: "BATT_LOW_MAH", REAL, |_| 0.0, |_| (0.0, 1e6), Effect::LookedUp;
     BatteryCriticalVoltage: "BATT_CRT_VOLT", REAL, |_| 0.0, |_| (0.0, 100.0), Effect::LookedUp;
     BatteryCriticalCharge: "BATT_CRT_MAH", REAL, |_| 0.0, |_| (0.0, 1e6), Effect::LookedUp;
-    BatteryLowAction: "BATT_FS_LOW_ACT", INT8, |_| 0.0, |_| (0.0, 2.0), Effect::LookedUp;
-    BatteryCriticalAction: "BATT_FS_CRT_ACT", INT8, |_| 0.0, |_| (0.0, 2.0), Effect::LookedUp;
+    BatteryLowAction: "BATT_FS_LOW_ACT", INT8, |_| 0.0, |_| (0.0, 7.0), Effect::LookedUp;
+    BatteryCriticalAction: "BATT_FS_CRT_ACT", INT8, |_| 0.0, |_| (0.0, 7.0), Effect::LookedUp;
 
     // The world: SIM_ parameters, at rest unless somebody sets them.
     WindSpeed: "SIM_WIND_SPD", REAL, |_| 0.0, |_| (0.0, 60.0), Effect::LookedUp;
@@ -218,7 +218,7 @@ parameters! {
     FenceReturnToRally: "FENCE_RET_RALLY", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     FenceReturnAltitude: "FENCE_RET_ALT", INT16, |_| 0.0, |_| (0.0, f32::from(i16::MAX)), Effect::LookedUp;
     FenceAutoEnable: "FENCE_AUTOENABLE", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::Fence;
-    FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 3.0), Effect::LookedUp;
+    FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 7.0), Effect::LookedUp;
     MissionTotal: "MIS_TOTAL", INT16, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
     RallyLimit: "RALLY_LIMIT_KM", REAL, |_| 5.0, |_| (0.0, 1000.0), Effect::LookedUp;
@@ -234,6 +234,8 @@ parameters! {
     DataLinkExceptions: "COM_DLL_EXCEPT", INT32, |_| 0.0, |_| (0.0, 7.0), Effect::LookedUp;
     FailsafeDelay: "COM_FAIL_ACT_T", REAL, |_| 5.0, |_| (0.0, 25.0), Effect::LookedUp;
     PreflightDisarmDelay: "COM_DISARM_PRFLT", REAL, |_| 10.0, |_| (-1.0, 3600.0), Effect::LookedUp;
+    // As a PX4's simulation has it.
+    FailureInjection: "SYS_FAILURE_EN", INT32, |_| 1.0, |_| (0.0, 1.0), Effect::LookedUp;
 }
 
 /// ArduPlane's default of TKOFF_ALT, m.

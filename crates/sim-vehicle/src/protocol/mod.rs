@@ -12,6 +12,7 @@ pub(crate) mod parameter;
 use crate::autopilot::pilot::ManualControl;
 use crate::error::{CommandError, CommandResult, Severity};
 use crate::firmware::answers;
+use crate::firmware::rules::CommandSet;
 use crate::lockstep::Lockstep;
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
@@ -65,7 +66,12 @@ impl Services {
     }
 
     /// Obeys a command. What the services remember a reboot forgets, too.
-    fn execute(&mut self, component: &mut Component, command: &Command, link: usize) -> Result<(), CommandError> {
+    pub(in crate::protocol) fn execute(
+        &mut self,
+        component: &mut Component,
+        command: &Command,
+        link: usize,
+    ) -> Result<(), CommandError> {
         if command.command == MavCmd::MAV_CMD_USER_1 {
             return reset::ask(component, command.params);
         }
@@ -73,7 +79,7 @@ impl Services {
             return command::execute(component, command, link);
         }
         let autopilot = &component.autopilot;
-        if answers::check_reboot(autopilot.rules(), autopilot.flight.is_armed(), command.params[0])? {
+        if answers::check_reboot(autopilot.rules(), autopilot.flight.is_armed(), command)? {
             self.parameters.forget_listings();
             self.missions.forget_uploads();
             component.autopilot.reboot();
@@ -114,7 +120,10 @@ fn serve_message(component: &mut Component, link: usize, sender: Target, message
         }
         Message::TIMESYNC(data) => answer_timesync(component, link, sender, data),
         Message::PING(data) => answer_ping(component, link, sender, data),
-        Message::REQUEST_DATA_STREAM(data) => data_streams::set_data_stream(component, link, data),
+        // A PX4 passes it over.
+        Message::REQUEST_DATA_STREAM(data) if autopilot.rules().commands != CommandSet::Px4 => {
+            data_streams::set_data_stream(component, link, data)
+        }
         Message::FILE_TRANSFER_PROTOCOL(data) => ftp::refuse(component, link, sender, data),
         Message::LOG_REQUEST_LIST(_) => data_streams::answer_log_request(component, link),
         // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.
@@ -166,6 +175,7 @@ fn conclude(component: &mut Component, outcome: Result<(), CommandError>) -> Mav
                 CommandResult::Failed => MavResult::MAV_RESULT_FAILED,
                 CommandResult::Unsupported => MavResult::MAV_RESULT_UNSUPPORTED,
                 CommandResult::TemporarilyRejected => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
+                CommandResult::Cancelled => MavResult::MAV_RESULT_CANCELLED,
             }
         }
     }

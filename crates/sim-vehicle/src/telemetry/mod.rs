@@ -4,6 +4,7 @@
 #![allow(deprecated)]
 
 pub(crate) mod announce;
+mod extra;
 mod navigation;
 pub(crate) mod rates;
 mod sensors;
@@ -141,6 +142,8 @@ impl Instruments<'_> {
             Stream::PositionTargetGlobalInt => self.position_target_global_int(),
             Stream::Altitude => self.altitude(),
             Stream::Odometry => self.odometry(),
+            // What is only asked for; every stream is here or there.
+            other => self.extra(other).unwrap_or_else(telemetry::protocol_version),
         }
     }
 
@@ -179,7 +182,7 @@ impl Instruments<'_> {
         match stream {
             Stream::Wind => Some(mavlink_bridge::wind(&self.world.wind_estimate())),
             Stream::EkfStatusReport => Some(mavlink_bridge::ekf_status_report(self.estimator_flags())),
-            _ => None,
+            other => self.extra_of_ardupilot(other),
         }
     }
 

@@ -10,21 +10,14 @@ use mavlink_bridge::{LatLonE7, boot_ms};
 
 impl Instruments<'_> {
     /// Roll, pitch and yaw of ATTITUDE, rad.
-    fn attitude_rad(&self) -> [f64; 3] {
+    pub(super) fn attitude_rad(&self) -> [f64; 3] {
         let air = self.flight.in_air();
         [self.flight.roll_rad(), libm::atan2(air.climb_mps, air.speed_mps), air.course_rad]
     }
 
     /// The rotation from north-east-down to the body, w first.
-    fn quaternion(&self) -> [f32; 4] {
-        let [(sr, cr), (sp, cp), (sy, cy)] = self.attitude_rad().map(|angle_rad| libm::sincos(0.5 * angle_rad));
-        [
-            cr * cp * cy + sr * sp * sy,
-            sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy,
-            cr * cp * sy - sr * sp * cy,
-        ]
-        .map(|part| part as f32)
+    pub(super) fn quaternion(&self) -> [f32; 4] {
+        quaternion(self.attitude_rad())
     }
 
     /// ATTITUDE_QUATERNION (<https://mavlink.io/en/messages/common.html#ATTITUDE_QUATERNION>).
@@ -152,6 +145,13 @@ impl Instruments<'_> {
             ..POSITION_TARGET_LOCAL_NED_DATA::DEFAULT
         })
     }
+}
+
+/// The rotation of roll, pitch and yaw, rad, w first.
+pub(super) fn quaternion(attitude_rad: [f64; 3]) -> [f32; 4] {
+    let [(sr, cr), (sp, cp), (sy, cy)] = attitude_rad.map(|angle_rad| libm::sincos(0.5 * angle_rad));
+    [cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy]
+        .map(|part| part as f32)
 }
 
 /// All is left out but the place, in the bits that ArduPlane sets.

@@ -32,6 +32,25 @@ pub fn raw_imu(time: Duration, readings: &Readings, gravity_mps2: f64) -> Messag
     })
 }
 
+/// What an inertial sensor and a compass measure, in ArduPilot's units.
+pub struct Scaled {
+    pub force: [i16; 3],
+    pub rates: [i16; 3],
+    pub field: [i16; 3],
+    pub temperature: i16,
+}
+
+impl Scaled {
+    pub fn of(readings: &Readings, gravity_mps2: f64) -> Self {
+        Self {
+            force: milli(readings.force_mps2, gravity_mps2),
+            rates: milli(readings.rates_radps, 1.0),
+            field: milli(readings.field_mgauss, 1e3),
+            temperature: centidegrees(readings),
+        }
+    }
+}
+
 /// SCALED_IMU (<https://mavlink.io/en/messages/common.html#SCALED_IMU>): the same in the same units.
 pub fn scaled_imu(time: Duration, readings: &Readings, gravity_mps2: f64) -> Message {
     let [xacc, yacc, zacc] = milli(readings.force_mps2, gravity_mps2);

@@ -4,112 +4,92 @@ use crate::firmware::rules::Rules;
 use crate::telemetry::rates::TelemetryRates;
 use std::time::Duration;
 
-/// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stream {
-    Heartbeat,
-    SysStatus,
-    SystemTime,
-    Attitude,
-    GlobalPositionInt,
-    VfrHud,
-    GpsRawInt,
-    MissionCurrent,
-    RawImu,
-    ScaledImu,
-    ScaledPressure,
-    HighresImu,
-    Wind,
-    WindCov,
-    EkfStatusReport,
-    FenceStatus,
-    RcChannels,
-    GpsGlobalOrigin,
-    HomePosition,
-    BatteryStatus,
-    ExtendedSysState,
-    AutopilotVersion,
-    ProtocolVersion,
-    AttitudeQuaternion,
-    NavControllerOutput,
-    PositionTargetLocalNed,
-    PositionTargetGlobalInt,
-    Altitude,
-    Odometry,
-    LocalPositionNed,
+/// A stream: its name and its message id in <https://mavlink.io/en/messages/ardupilotmega.html>, and the common dialect within.
+macro_rules! streams {
+    ($($stream:ident = $id:literal),* $(,)?) => {
+        /// A message that can be sent at a rate or on request. LOCAL_POSITION_NED comes last: it closes a lockstep tick.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Stream {
+            $($stream),*
+        }
+
+        impl Stream {
+            pub const ALL: [Stream; Self::COUNT] = [$(Stream::$stream),*];
+            pub const COUNT: usize = [$($id),*].len();
+
+            /// The message id.
+            pub fn message_id(self) -> u32 {
+                match self {
+                    $(Stream::$stream => $id),*
+                }
+            }
+        }
+    };
+}
+
+streams! {
+    Heartbeat = 0,
+    SysStatus = 1,
+    SystemTime = 2,
+    Attitude = 30,
+    GlobalPositionInt = 33,
+    VfrHud = 74,
+    GpsRawInt = 24,
+    MissionCurrent = 42,
+    RawImu = 27,
+    ScaledImu = 26,
+    ScaledPressure = 29,
+    HighresImu = 105,
+    Wind = 168,
+    WindCov = 231,
+    EkfStatusReport = 193,
+    FenceStatus = 162,
+    RcChannels = 65,
+    GpsGlobalOrigin = 49,
+    HomePosition = 242,
+    BatteryStatus = 147,
+    ExtendedSysState = 245,
+    AutopilotVersion = 148,
+    ProtocolVersion = 300,
+    AttitudeQuaternion = 31,
+    NavControllerOutput = 62,
+    PositionTargetLocalNed = 85,
+    PositionTargetGlobalInt = 87,
+    Altitude = 141,
+    Odometry = 331,
+    Ping = 4,
+    RcChannelsRaw = 35,
+    ServoOutputRaw = 36,
+    ManualControl = 69,
+    AttitudeTarget = 83,
+    HilActuatorControls = 93,
+    SimState = 108,
+    Timesync = 111,
+    ScaledImu2 = 116,
+    PowerStatus = 125,
+    ScaledImu3 = 129,
+    DistanceSensor = 132,
+    TerrainReport = 136,
+    ScaledPressure2 = 137,
+    Meminfo = 152,
+    Ahrs = 163,
+    SimulatedState = 164,
+    Hwstatus = 165,
+    Ahrs2 = 178,
+    MagCalReport = 192,
+    EstimatorStatus = 230,
+    HighLatency2 = 235,
+    Vibration = 241,
+    StorageInformation = 261,
+    FlightInformation = 264,
+    Airspeed = 295,
+    ActuatorOutputStatus = 375,
+    RelayStatus = 376,
+    AoaSsa = 11_020,
+    LocalPositionNed = 32,
 }
 
 impl Stream {
-    pub const COUNT: usize = 30;
-    pub const ALL: [Stream; Self::COUNT] = [
-        Stream::Heartbeat,
-        Stream::SysStatus,
-        Stream::SystemTime,
-        Stream::Attitude,
-        Stream::GlobalPositionInt,
-        Stream::VfrHud,
-        Stream::GpsRawInt,
-        Stream::MissionCurrent,
-        Stream::RawImu,
-        Stream::ScaledImu,
-        Stream::ScaledPressure,
-        Stream::HighresImu,
-        Stream::Wind,
-        Stream::WindCov,
-        Stream::EkfStatusReport,
-        Stream::FenceStatus,
-        Stream::RcChannels,
-        Stream::GpsGlobalOrigin,
-        Stream::HomePosition,
-        Stream::BatteryStatus,
-        Stream::ExtendedSysState,
-        Stream::AutopilotVersion,
-        Stream::ProtocolVersion,
-        Stream::AttitudeQuaternion,
-        Stream::NavControllerOutput,
-        Stream::PositionTargetLocalNed,
-        Stream::PositionTargetGlobalInt,
-        Stream::Altitude,
-        Stream::Odometry,
-        Stream::LocalPositionNed,
-    ];
-
-    /// The message id of <https://mavlink.io/en/messages/ardupilotmega.html>, and of the common dialect within.
-    pub fn message_id(self) -> u32 {
-        match self {
-            Stream::Heartbeat => 0,
-            Stream::SysStatus => 1,
-            Stream::SystemTime => 2,
-            Stream::GpsRawInt => 24,
-            Stream::ScaledImu => 26,
-            Stream::RawImu => 27,
-            Stream::ScaledPressure => 29,
-            Stream::Attitude => 30,
-            Stream::AttitudeQuaternion => 31,
-            Stream::LocalPositionNed => 32,
-            Stream::GlobalPositionInt => 33,
-            Stream::MissionCurrent => 42,
-            Stream::GpsGlobalOrigin => 49,
-            Stream::NavControllerOutput => 62,
-            Stream::RcChannels => 65,
-            Stream::VfrHud => 74,
-            Stream::PositionTargetLocalNed => 85,
-            Stream::PositionTargetGlobalInt => 87,
-            Stream::HighresImu => 105,
-            Stream::Altitude => 141,
-            Stream::BatteryStatus => 147,
-            Stream::AutopilotVersion => 148,
-            Stream::Wind => 168,
-            Stream::EkfStatusReport => 193,
-            Stream::WindCov => 231,
-            Stream::FenceStatus => 162,
-            Stream::HomePosition => 242,
-            Stream::ExtendedSysState => 245,
-            Stream::ProtocolVersion => 300,
-            Stream::Odometry => 331,
-        }
-    }
-
     pub fn from_message_id(id: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|stream| stream.message_id() == id)
     }
@@ -138,17 +118,8 @@ impl Stream {
             Stream::ExtendedSysState => Some(&mut rates.extended_sys_state_hz),
             Stream::HomePosition => Some(&mut rates.home_position_hz),
             Stream::LocalPositionNed => Some(&mut rates.local_position_ned_hz),
-            Stream::ScaledImu
-            | Stream::HighresImu
-            | Stream::WindCov
-            | Stream::RcChannels
-            | Stream::GpsGlobalOrigin
-            | Stream::AutopilotVersion
-            | Stream::ProtocolVersion
-            | Stream::AttitudeQuaternion
-            | Stream::PositionTargetLocalNed
-            | Stream::Altitude
-            | Stream::Odometry => None,
+            // Asked for, or never.
+            _ => None,
         }
     }
 

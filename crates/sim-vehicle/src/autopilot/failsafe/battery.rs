@@ -44,9 +44,17 @@ const CRITICAL: Threshold = Threshold {
     timer: Timer::BatteryCritical,
 };
 
-/// Values of BATT_FS_LOW_ACT and BATT_FS_CRT_ACT.
-const RETURN: f32 = 1.0;
-const LAND: f32 = 2.0;
+/// What a value of BATT_FS_LOW_ACT or BATT_FS_CRT_ACT brings about, or what it needs that is not there. A plane that is no
+/// quadplane lands for 4 and 6, and without AUTOLAND it returns for 7.
+fn action_of(value: f32) -> Result<Action, &'static str> {
+    match value as u8 {
+        0 => Ok(Action::Warn),
+        2 | 4 | 6 => Ok(Action::Land),
+        3 => Err("termination"),
+        5 => Err("parachute"),
+        _ => Ok(Action::Mode(Mode::Rtl)),
+    }
+}
 
 impl BatteryWatch {
     pub fn level(&self) -> BatteryLevel {
@@ -81,10 +89,13 @@ impl BatteryWatch {
         }
         events.say(Severity::Warning, text);
         // ArduPlane lands by the mission's landing sequence, and without one it returns.
-        let action = match now.get(action) {
-            RETURN => Action::Mode(Mode::Rtl),
-            LAND if !now.flight.is_landing() => Action::Land,
-            _ => Action::Warn,
+        let action = match action_of(now.get(action)) {
+            Ok(Action::Land) if now.flight.is_landing() => Action::Warn,
+            Ok(action) => action,
+            Err(missing) => {
+                events.say(Severity::Warning, format!("Battery failsafe: there is no {missing}"));
+                Action::Warn
+            }
         };
         Some(Proposal::new(Cause::Battery, action))
     }

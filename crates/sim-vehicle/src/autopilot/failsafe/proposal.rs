@@ -34,6 +34,8 @@ pub(crate) enum Action {
     Mode(Mode),
     /// The mission's landing sequence, and without one a return.
     Land,
+    /// FBWA with the engine idle.
+    Glide,
 }
 
 /// An action and its reason.

@@ -52,7 +52,7 @@ impl Area {
 
 impl Shape {
     /// By the number of edges that a ray to the north meets: odd inside. A place on an edge may be on either side.
-    fn contains(&self, place: Place) -> bool {
+    pub fn contains(&self, place: Place) -> bool {
         match self {
             Shape::Circle { centre, radius_m } => (place - centre).norm_squared() <= radius_m * radius_m,
             Shape::Polygon(corners) => {

@@ -5,6 +5,7 @@ pub(crate) mod area;
 pub(crate) mod items;
 pub(crate) mod kinds;
 pub(crate) mod monitor;
+mod parts;
 
 use crate::error::PlanError;
 use crate::parameters::Parameters;
@@ -35,6 +36,21 @@ impl Fence {
         self.area = items::area(items, frame)?;
         self.items = items.iter().map(items::as_kept).collect();
         Ok(())
+    }
+
+    /// A PX4's fence, each part of which counts by itself: those that home, and a vehicle that would act on a breach at
+    /// once, are inside of. Gives what is said of the others.
+    pub fn replace_parts(
+        &mut self,
+        items: &[PlanItem],
+        frame: &LocalFrame,
+        home: Place,
+        flying: Option<Place>,
+    ) -> Vec<&'static str> {
+        let (area, said) = parts::area(items, frame, home, flying);
+        self.area = area;
+        self.items = items.iter().map(items::as_kept).collect();
+        said
     }
 
     /// Where a vehicle that has left it is sent, (north, east) in m.

@@ -54,6 +54,10 @@ pub(crate) struct Flight {
     /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
     speed_is_over_ground: bool,
+    /// The least speed over ground, m/s, for which the airspeed rises; 0 for none.
+    least_ground_speed_mps: f64,
+    /// Whether it glides with its engine idle, until another mode is set.
+    glides: bool,
     altitude: Ramp,
     /// Whether a guided command asked for that altitude.
     altitude_is_slewed: bool,
@@ -101,6 +105,8 @@ impl Flight {
             rally: None,
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
+            least_ground_speed_mps: 0.0,
+            glides: false,
             altitude: Ramp::at(start.altitude_m),
             altitude_is_slewed: false,
             direction: Direction::Course(start.course_rad),

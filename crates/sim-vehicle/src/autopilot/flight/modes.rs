@@ -16,6 +16,7 @@ impl Flight {
     /// Changes the mode; asking for the present one changes nothing, as in ArduPlane.
     pub fn set_mode(&mut self, mode: Mode) {
         if mode != self.mode {
+            self.glides = false;
             self.mode = mode;
             self.enter(mode);
         }

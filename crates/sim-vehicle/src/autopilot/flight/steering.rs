@@ -16,6 +16,16 @@ impl Flight {
         self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
     }
 
+    /// From now on its airspeed rises where its speed over ground, m/s, would be lower.
+    pub fn set_least_ground_speed(&mut self, speed_mps: f64) {
+        self.least_ground_speed_mps = speed_mps;
+    }
+
+    /// Glides with its engine idle, until another mode is set.
+    pub fn glide(&mut self) {
+        self.glides = true;
+    }
+
     /// Speed over ground, m/s, by the airspeed that gives it, within the limits.
     pub fn set_ground_speed(&mut self, speed_mps: f64) {
         self.set_speed(speed_mps, f64::INFINITY);

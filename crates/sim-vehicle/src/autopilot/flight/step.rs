@@ -44,6 +44,10 @@ impl Flight {
         let course_rad = self.direction.course_rad(&self.air.estimate(&self.state), &self.limited);
         let mut setpoint =
             Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
+        if self.least_ground_speed_mps > 0.0 {
+            let shortfall_mps = self.least_ground_speed_mps - self.state.speed_mps;
+            setpoint.speed_mps = setpoint.speed_mps.max(self.airspeed_mps() + shortfall_mps);
+        }
         if let Some(sticks) = self.hands() {
             setpoint = sticks.steer(setpoint, self.mode, &self.state, self.airspeed_mps(), &self.dynamics);
         }
@@ -58,7 +62,7 @@ impl Flight {
             };
             setpoint = landing.setpoint(&view, &setpoint);
         }
-        if !self.is_engine_running() {
+        if !self.is_engine_running() || self.glides {
             setpoint.speed_mps = self.dynamics.limits.speed_min_mps;
             setpoint.altitude_m = self.altitude_to_climb_at(-self.airspeed_mps() / GLIDE_RATIO);
         }

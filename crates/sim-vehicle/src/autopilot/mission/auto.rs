@@ -2,13 +2,14 @@
 
 use super::items::{
     CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
-    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAKEOFF, WAYPOINT,
+    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAKEOFF, WAYPOINT, has_place,
 };
-use super::legs::{AltitudeEnd, CircleEnd, Leg};
+use super::legs::{AltitudeEnd, Leg};
+use super::loiter::{Exit, Goal, Loiter, PX4_ALTITUDE_M, Rules};
 use crate::autopilot::Autopilot;
 use crate::autopilot::event::Event;
+use crate::autopilot::flight::tuning::TAKEOFF_TOLERANCE_M;
 use crate::autopilot::home::Home;
-use crate::autopilot::mission::progress::Progress;
 use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
@@ -25,22 +26,25 @@ const ITEMS_AT_ONCE_MAX: usize = 1000;
 const LEAST_TAKE_OFF_M: f64 = 10.0;
 
 impl Autopilot {
-    /// Goes to an item of the mission, or says why not.
-    pub(crate) fn set_current_item(&mut self, seq: u16) -> Result<(), CommandError> {
+    /// Goes to an item of the mission, or says why not. Jumps that have been made count still, unless they are reset.
+    pub(crate) fn set_current_item(&mut self, seq: u16, resets_jumps: bool) -> Result<(), CommandError> {
         if self.mission.get(seq).is_none() {
             return Err(CommandError::denied(format!("Mission: no item {seq}")));
         }
         if !self.mission.is_flyable() {
             return Err(CommandError::failed("Mission: nothing to fly"));
         }
-        self.session.progress = Progress::at_item(seq, &self.mission);
+        self.session.progress.choose(seq, &self.mission, resets_jumps);
         Ok(())
     }
 
     /// DO_JUMP_TAG as a command: to the JUMP_TAG of that number.
     pub(crate) fn jump_to_tag(&mut self, tag: f32) -> Result<(), CommandError> {
-        match self.mission.tagged(f64::from(tag)) {
-            Some(seq) => self.set_current_item(seq),
+        if tag >= 65_536.0 {
+            return Err(CommandError::denied("Mission: a tag has 16 bits"));
+        }
+        match self.mission.tagged(f64::from(tag.trunc())) {
+            Some(seq) => self.set_current_item(seq, false),
             None => Err(CommandError::failed(format!("Mission: no tag {tag}"))),
         }
     }
@@ -75,6 +79,10 @@ impl Autopilot {
                     self.tell_reached(seq);
                 }
             } else if self.is_leg_done() {
+                if let Some(leg) = self.stay_at_waypoint(&item) {
+                    self.session.progress.leg = leg;
+                    return;
+                }
                 if item.command == TAKEOFF {
                     self.session.fence.taken_off(&self.parameters, &mut self.events);
                 }
@@ -91,9 +99,11 @@ impl Autopilot {
     fn tell_end_of_leg(&mut self, seq: u16) {
         let text = match self.session.progress.leg {
             Leg::Place { at, .. } => format!("Reached waypoint #{seq} dist {:.0}m", self.flight.distance_m(at)),
-            Leg::Circle { until: CircleEnd::Turned(_), .. } => "Loiter orbits complete".into(),
-            Leg::Circle { until: CircleEnd::Stayed(_), .. } => "Loiter time complete".into(),
-            Leg::Circle { until: CircleEnd::Altitude(_), .. } => "Loiter to alt complete".into(),
+            Leg::Circle(loiter) => match loiter.goal {
+                Goal::Turned(_) => "Loiter orbits complete".into(),
+                Goal::Stayed(_) | Goal::AltitudeAndStayed(..) => "Loiter time complete".into(),
+                Goal::Altitude(_) => "Loiter to alt complete".into(),
+            },
             Leg::Altitude(..) if self.mission.get(seq).is_some_and(|item| item.command == TAKEOFF) => {
                 let altitude_m = self.flight.estimate().altitude_m - self.flight.home().altitude_m;
                 format!("Takeoff complete at {altitude_m:.2}m")
@@ -115,7 +125,7 @@ impl Autopilot {
                 self.session.progress.leg = Leg::Begin;
                 return;
             }
-            Leg::Place { at, .. } | Leg::Circle { at, .. } => self.session.progress.set_from(Some(at)),
+            Leg::Place { at, .. } | Leg::Circle(Loiter { centre: at, .. }) => self.session.progress.set_from(Some(at)),
             _ => self.session.progress.set_from(None),
         }
         self.tell_end_of_leg(seq);
@@ -147,6 +157,8 @@ impl Autopilot {
         self.session.progress.leg = match item.command {
             WAYPOINT => {
                 let from = self.session.progress.from().unwrap_or_else(|| self.flight.here());
+                let passes_by = self.loiter_rules() == Rules::ArduPlane;
+                let at = if passes_by { beyond(from, at, p3.clamp(0.0, 255.0)) } else { at };
                 self.flight.fly_leg(from, at);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
@@ -157,15 +169,23 @@ impl Autopilot {
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 Leg::Forever
             }
-            LOITER_TURNS => self.circle_until(at, or_usual(p3), altitude_m, CircleEnd::Turned(TAU * p1)),
-            LOITER_TIME => {
-                let stay = Duration::try_from_secs_f64(p1).unwrap_or(Duration::MAX);
-                self.circle_until(at, or_usual(p3), altitude_m, CircleEnd::Stayed(stay))
+            LOITER_TURNS => {
+                let exit = self.exit_of(seq, true);
+                self.circle_until(at, or_usual(p3), altitude_m, Goal::Turned(TAU * p1), exit)
             }
-            LOITER_TO_ALTITUDE => self.circle_until(at, or_usual(p2), altitude_m, CircleEnd::Altitude(altitude_m)),
+            LOITER_TIME => {
+                let (stay, exit) = (Duration::try_from_secs_f64(p1).unwrap_or_default(), self.exit_of(seq, p2 > 0.0));
+                self.circle_until(at, or_usual(p3), altitude_m, Goal::Stayed(stay), exit)
+            }
+            LOITER_TO_ALTITUDE => {
+                let exit = self.exit_of(seq, p1 > 0.0);
+                self.circle_until(at, or_usual(p2), altitude_m, Goal::Altitude(altitude_m), exit)
+            }
             TAKEOFF => {
-                self.flight.take_off(altitude_m.max(self.flight.state().altitude_m));
-                Leg::Altitude(altitude_m, AltitudeEnd::NotBelow)
+                // It is reached when it is exceeded.
+                let above_m = altitude_m + TAKEOFF_TOLERANCE_M;
+                self.flight.take_off(above_m.max(self.flight.state().altitude_m));
+                Leg::Altitude(altitude_m, AltitudeEnd::Exceeded)
             }
             CHANGE_ALTITUDE => {
                 self.flight.hold_course();
@@ -193,7 +213,8 @@ impl Autopilot {
                 return;
             }
             CHANGE_SPEED => {
-                self.change_mission_speed(p2);
+                let [kind, speed_mps, throttle, _] = item.params;
+                self.change_mission_speed([kind, speed_mps, throttle]);
                 return self.session.progress.go_to(seq + 1);
             }
             SET_HOME => {
@@ -236,23 +257,89 @@ impl Autopilot {
         self.session.progress.leg.is_done(&state, is_on_ground, time)
     }
 
-    fn circle_until(&mut self, at: Vector2<f64>, radius_m: f64, altitude_m: f64, until: CircleEnd) -> Leg {
-        let radius_m = self.flight.circle_at(at, radius_m);
-        self.flight.set_altitude(altitude_m, f64::INFINITY);
-        Leg::Circle { at, radius_m, until, flown: None }
+    /// A PX4 at a waypoint that is not at its altitude, or is to stay there for param 1 seconds, circles there.
+    fn stay_at_waypoint(&mut self, item: &PlanItem) -> Option<Leg> {
+        let Leg::Place { at, .. } = self.session.progress.leg else { return None };
+        if self.loiter_rules() != Rules::Px4 || item.command != WAYPOINT {
+            return None;
+        }
+        let altitude_m = self.reference().altitude_of(item);
+        let stay = Duration::try_from_secs_f32(item.params[0]).unwrap_or_default();
+        let is_there = (self.flight.estimate().altitude_m - altitude_m).abs() <= PX4_ALTITUDE_M && stay.is_zero();
+        let exit = self.exit_of(self.session.progress.current(), true);
+        let radius_m = self.flight.tuning().loiter_radius_m;
+        (!is_there)
+            .then(|| self.circle_until(at, radius_m, altitude_m, Goal::AltitudeAndStayed(altitude_m, stay), exit))
     }
 
-    /// -2: the usual speed; -1: no other.
-    fn change_mission_speed(&mut self, speed_mps: f64) {
-        let speed_mps = match speed_mps {
-            -1.0 => return,
-            -2.0 => f64::from(self.parameters.get(Parameter::AirspeedCruise)),
-            speed_mps => speed_mps,
-        };
+    fn circle_until(&mut self, at: Vector2<f64>, radius_m: f64, altitude_m: f64, goal: Goal, exit: Exit) -> Leg {
+        let turn = if radius_m < 0.0 { -1.0 } else { 1.0 };
+        let radius_m = self.flight.circle_at(at, radius_m);
+        self.flight.set_altitude(altitude_m, f64::INFINITY);
+        let margin_m = f64::from(self.parameters.get(Parameter::WaypointRadius));
+        let mut loiter = Loiter::new(at, radius_m, turn, goal, exit, self.loiter_rules());
+        (loiter.margin_m, loiter.altitude_m) = (margin_m, altitude_m);
+        Leg::Circle(loiter)
+    }
+
+    fn loiter_rules(&self) -> Rules {
+        if self.rules.judges_plans_as_px4 { Rules::Px4 } else { Rules::ArduPlane }
+    }
+
+    /// Where a loiter leads to: an ArduPlane leaves any towards the next place, a PX4 where the item asks for it.
+    fn exit_of(&self, seq: u16, is_asked_for: bool) -> Exit {
+        if self.loiter_rules() == Rules::Px4 && !is_asked_for {
+            return Exit::AtOnce;
+        }
+        self.next_place(seq).map_or(Exit::AtOnce, Exit::Toward)
+    }
+
+    /// The place of the next item that is flown after an item; none where that has no place, and behind the last.
+    fn next_place(&self, seq: u16) -> Option<Vector2<f64>> {
+        let mut at = seq;
+        // Jumps may go round.
+        for _ in 0..self.mission.len() {
+            at += 1;
+            let item = self.mission.get(at)?;
+            match item.command {
+                JUMP if self.would_jump(at, item) => at = (item.params[0] as u16).saturating_sub(1),
+                // Jumps, conditions and commands have higher numbers than what is flown.
+                0..95 => {
+                    let is_placed = has_place(item.command) && !item.position().is_zero();
+                    return is_placed.then(|| self.reference().place_of(item, self.flight.here()));
+                }
+                _ => {}
+            }
+        }
+        None
+    }
+
+    fn would_jump(&self, seq: u16, item: &PlanItem) -> bool {
+        let made = self.session.progress.jumps_made(seq);
+        item.params[1] < 0.0 || made < item.params[1] as u32
+    }
+
+    /// What the autopilot does not take changes nothing, and the mission goes on.
+    fn change_mission_speed(&mut self, [kind, speed_mps, throttle]: [f32; 3]) {
+        if self.rules.has_ardupilot_commands {
+            let _ = self.change_speed_as_arduplane([kind, speed_mps, throttle]);
+            return;
+        }
+        let usual_mps = f64::from(self.parameters.get(Parameter::AirspeedCruise));
+        let speed_mps = if speed_mps > 0.0 { f64::from(speed_mps) } else { usual_mps };
         let least = f64::from(self.parameters.get(Parameter::AirspeedMin));
         let most = f64::from(self.parameters.get(Parameter::AirspeedMax));
         self.flight.set_speed(speed_mps.clamp(least, most), f64::INFINITY);
     }
+}
+
+/// A place so far behind another one as seen from a third: a waypoint is passed by so much.
+fn beyond(from: Vector2<f64>, at: Vector2<f64>, distance_m: f64) -> Vector2<f64> {
+    let way = at - from;
+    if distance_m <= 0.0 || way.norm() <= 0.0 {
+        return at;
+    }
+    at + way * (distance_m / way.norm())
 }
 
 /// ArduPilot's short name of an item that is flown (`AP_Mission::Mission_Command::type`).

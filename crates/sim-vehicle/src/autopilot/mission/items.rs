@@ -31,9 +31,9 @@ pub(super) const JUMP_TO_TAG: u16 = MavCmd::MAV_CMD_DO_JUMP_TAG as u32 as u16;
 
 /// What ArduPlane takes and has nothing to do with where a vehicle without a payload flies: delays (of which there are
 /// none while it is armed), conditions of such items, servos, relays, cameras, gimbals, engines, scripts.
-const WITHOUT_EFFECT: [u16; 40] = [
+const WITHOUT_EFFECT: [u16; 39] = [
     92, 93, 112, 114, 115, 181, 182, 183, 184, 193, 194, 195, 197, 201, 202, 203, 205, 206, 208, 210, 211, 212, 215,
-    216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 3000, 42600, 42702, 42703,
+    216, 217, 218, 222, 223, 531, 532, 534, 1000, 2000, 2001, 2500, 2501, 3000, 42600, 42703,
 ];
 
 /// The same of a PX4 (`mavlink_mission.cpp`), beyond those: regions of interest, cameras, mounts, gimbals, actuators,
@@ -81,12 +81,9 @@ pub(crate) fn check(item: &PlanItem, flown: Range<u16>) -> Result<(), PlanError>
     if has_place(item.command) {
         check_place(item)?;
     }
-    let [p1, p2, ..] = item.params;
+    let [p1, ..] = item.params;
     match item.command {
-        LOITER_TURNS | LOITER_TIME if p1 < 0.0 => Err(PlanError::InvalidParam(1)),
-        JUMP if !(f32::from(flown.start)..f32::from(flown.end)).contains(&p1) => Err(PlanError::InvalidParam(1)),
-        // -1: as it is, -2: the usual one.
-        CHANGE_SPEED if p2 <= 0.0 && p2 != -1.0 && p2 != -2.0 => Err(PlanError::InvalidParam(2)),
+        JUMP if !(f32::from(flown.start)..f32::from(flown.end)).contains(&p1) => Err(PlanError::JumpTarget),
         _ => Ok(()),
     }
 }
@@ -134,8 +131,7 @@ mod tests {
             (PlanItem { latitude_e7: 900_000_001, ..GOOD }, PlanError::InvalidParam(5)),
             (PlanItem { longitude_e7: i32::MIN, ..GOOD }, PlanError::InvalidParam(6)),
             (PlanItem { z_m: f32::INFINITY, ..GOOD }, PlanError::InvalidParam(7)),
-            (PlanItem { command: JUMP, params: [2.0, 1.0, 0.0, 0.0], ..GOOD }, PlanError::InvalidParam(1)),
-            (PlanItem { command: CHANGE_SPEED, params: [0.0; 4], ..GOOD }, PlanError::InvalidParam(2)),
+            (PlanItem { command: JUMP, params: [2.0, 1.0, 0.0, 0.0], ..GOOD }, PlanError::JumpTarget),
         ] {
             assert_eq!(check(&item, 1..2), Err(result), "{item:?}");
         }

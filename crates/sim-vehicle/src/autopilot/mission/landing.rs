@@ -99,9 +99,16 @@ impl Autopilot {
     fn go_on_in_auto(&mut self, seq: u16, text: &str) {
         self.say(Severity::Info, text);
         // It has been looked up: it is there.
-        if self.set_current_item(seq).is_ok() {
+        if self.set_current_item(seq, false).is_ok() {
             self.set_mode(Mode::Auto);
         }
+    }
+
+    /// The first DO_LAND_START; without one, the first landing.
+    pub(crate) fn mission_landing(&self) -> Option<u16> {
+        let first =
+            |command: u16| self.mission.numbered().find(|(_, item)| item.command == command).map(|(seq, _)| seq);
+        first(LAND_START).or_else(|| first(LAND))
     }
 
     /// The nearest item of a kind; one without a place is where the next one with a place is.

@@ -1,9 +1,11 @@
 //! Missions: which items are accepted, and how AUTO flies them.
 
 mod auto;
+pub(crate) mod feasibility;
 pub(crate) mod items;
 mod landing;
 mod legs;
+mod loiter;
 pub(crate) mod progress;
 
 use mavlink_bridge::PlanItem;
@@ -13,13 +15,15 @@ use mavlink_bridge::PlanItem;
 pub(crate) struct Mission {
     items: Vec<PlanItem>,
     first: u16,
+    /// Whether the autopilot would fly it: a PX4 takes missions that it does not.
+    is_feasible: bool,
 }
 
 impl Mission {
     /// None, whose items will be flown from an index on: before anything is uploaded or cleared, an ArduPilot counts
     /// home.
     pub fn new(first: u16) -> Self {
-        Self { items: vec![PlanItem::default(); usize::from(first)], first }
+        Self { items: vec![PlanItem::default(); usize::from(first)], first, is_feasible: true }
     }
 
     pub fn items(&self) -> &[PlanItem] {
@@ -32,8 +36,9 @@ impl Mission {
         self.first
     }
 
-    pub fn replace(&mut self, items: Vec<PlanItem>) {
+    pub fn replace(&mut self, items: Vec<PlanItem>, is_feasible: bool) {
         self.items = items;
+        self.is_feasible = is_feasible;
     }
 
     pub fn len(&self) -> u16 {
@@ -42,7 +47,7 @@ impl Mission {
 
     /// Whether there is something to fly.
     pub fn is_flyable(&self) -> bool {
-        self.len() > self.first
+        self.len() > self.first && self.is_feasible
     }
 
     pub fn get(&self, seq: u16) -> Option<&PlanItem> {

@@ -27,9 +27,16 @@ impl Progress {
         Self { current: mission.len().min(mission.first()), ..Self::default() }
     }
 
-    /// An item of a mission that somebody has chosen comes next.
-    pub fn at_item(seq: u16, mission: &Mission) -> Self {
-        Self { current: seq.max(mission.first()), has_begun: true, ..Self::default() }
+    /// An item of a mission that somebody has chosen comes next. Jumps that have been made count still, unless they
+    /// are reset.
+    pub fn choose(&mut self, seq: u16, mission: &Mission, resets_jumps: bool) {
+        let jumps = if resets_jumps { Vec::new() } else { std::mem::take(&mut self.jumps) };
+        *self = Self { current: seq.max(mission.first()), has_begun: true, jumps, ..Self::default() };
+    }
+
+    /// How often a jump has been made.
+    pub(super) fn jumps_made(&self, seq: u16) -> u32 {
+        self.jumps.iter().find(|(jump, _)| *jump == seq).map_or(0, |(_, made)| *made)
     }
 
     pub fn current(&self) -> u16 {

@@ -3,67 +3,103 @@
 //!
 //! By number, as ArduPilot's own dialect has commands that the common one does not name.
 
+use crate::autopilot::input::integer;
 use crate::error::{CommandError, CommandResult};
 
 const ACCEPTED: Option<CommandResult> = None;
 const DENIED: Option<CommandResult> = Some(CommandResult::Denied);
 const FAILED: Option<CommandResult> = Some(CommandResult::Failed);
 
-/// A command, how it is refused, and what it is for.
-const ANSWERS: [(u16, Option<CommandResult>, &str); 41] = [
-    (181, ACCEPTED, "relay"),
-    (182, ACCEPTED, "relay"),
-    (183, FAILED, "servo"),
-    (184, FAILED, "servo"),
-    (185, FAILED, "advanced failsafe"),
-    (195, ACCEPTED, "region of interest"),
-    (197, ACCEPTED, "region of interest"),
-    (198, ACCEPTED, "region of interest"),
-    (201, ACCEPTED, "region of interest"),
-    (202, ACCEPTED, "camera"),
-    (203, ACCEPTED, "camera"),
-    (204, FAILED, "mount"),
-    (205, FAILED, "mount"),
-    (206, ACCEPTED, "camera"),
-    (208, ACCEPTED, "parachute"),
-    (211, FAILED, "gripper"),
-    (212, ACCEPTED, "autotune"),
-    (216, FAILED, "sprayer"),
-    (218, FAILED, "auxiliary function"),
-    (223, FAILED, "combustion engine"),
-    (245, DENIED, "parameter storage of another kind"),
-    (500, ACCEPTED, "receiver"),
-    (532, DENIED, "camera"),
-    (534, DENIED, "camera"),
-    (1000, FAILED, "gimbal"),
-    (1001, FAILED, "gimbal"),
-    (2000, FAILED, "camera"),
-    (2001, ACCEPTED, "camera"),
-    (2500, FAILED, "camera"),
-    (2501, FAILED, "camera"),
-    (2520, ACCEPTED, "landing gear"),
-    (2600, ACCEPTED, "high latency link"),
-    (3000, FAILED, "lift motor"),
-    (5300, ACCEPTED, "safety switch"),
-    (10_001, FAILED, "transponder"),
-    (32_000, ACCEPTED, "CAN bus"),
-    (42_007, DENIED, "other source of the EKF"),
-    (42_425, ACCEPTED, "compass calibration"),
-    (42_426, ACCEPTED, "compass calibration"),
-    (42_700, DENIED, "debugger"),
-    (43_005, ACCEPTED, "rangefinder"),
+/// A command, its result, which params that result asks for, and what the command is for.
+const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 45] = [
+    (181, ACCEPTED, Asks::Nothing, "relay"),
+    (182, ACCEPTED, Asks::Nothing, "relay"),
+    (183, FAILED, Asks::Nothing, "servo"),
+    (184, FAILED, Asks::Nothing, "servo"),
+    (185, FAILED, Asks::Nothing, "advanced failsafe"),
+    (195, ACCEPTED, Asks::Nothing, "region of interest"),
+    (197, ACCEPTED, Asks::Nothing, "region of interest"),
+    (198, ACCEPTED, Asks::Nothing, "region of interest"),
+    (201, ACCEPTED, Asks::Nothing, "region of interest"),
+    (202, ACCEPTED, Asks::Nothing, "camera"),
+    (203, ACCEPTED, Asks::Nothing, "camera"),
+    (204, FAILED, Asks::Nothing, "mount"),
+    (205, FAILED, Asks::Nothing, "mount"),
+    (206, ACCEPTED, Asks::Nothing, "camera"),
+    (208, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Failed), "parachute"),
+    (209, FAILED, Asks::Nothing, "lift motor"),
+    (211, FAILED, Asks::Nothing, "gripper"),
+    (212, ACCEPTED, Asks::Nothing, "autotune"),
+    (216, FAILED, Asks::Nothing, "sprayer"),
+    (218, FAILED, Asks::AtMost(2, 2.0, CommandResult::Denied), "auxiliary function"),
+    (223, FAILED, Asks::Nothing, "combustion engine"),
+    (245, DENIED, Asks::Nothing, "parameter storage of another kind"),
+    (500, ACCEPTED, Asks::Nothing, "receiver"),
+    (532, DENIED, Asks::Nothing, "camera"),
+    (534, DENIED, Asks::Nothing, "camera"),
+    (1000, FAILED, Asks::Nothing, "gimbal"),
+    (1001, FAILED, Asks::Nothing, "gimbal"),
+    (2000, FAILED, Asks::AtLeast(1, 0.0, CommandResult::Unsupported), "camera"),
+    (2001, ACCEPTED, Asks::Only(1, 0.0, CommandResult::Unsupported), "camera"),
+    (2500, FAILED, Asks::Nothing, "camera"),
+    (2501, FAILED, Asks::Nothing, "camera"),
+    (2520, ACCEPTED, Asks::Nothing, "landing gear"),
+    (2600, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Failed), "high latency link"),
+    (3000, FAILED, Asks::Nothing, "lift motor"),
+    (5300, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Denied), "safety switch"),
+    (10_001, FAILED, Asks::Nothing, "transponder"),
+    (32_000, ACCEPTED, Asks::Nothing, "CAN bus"),
+    (42_006, ACCEPTED, Asks::Nothing, "compass calibration"),
+    (42_007, ACCEPTED, Asks::OneOf(1, &[1, 2, 3], CommandResult::Denied), "other source of the EKF"),
+    (42_425, ACCEPTED, Asks::Nothing, "compass calibration"),
+    (42_426, ACCEPTED, Asks::Nothing, "compass calibration"),
+    (42_429, FAILED, Asks::Nothing, "accelerometer calibration"),
+    (42_700, DENIED, Asks::Nothing, "debugger"),
+    (43_004, ACCEPTED, Asks::Within(&[(1, 0.0, f32::INFINITY), (3, 0.0, 360.0)], CommandResult::Denied), "wind"),
+    (43_005, ACCEPTED, Asks::Nothing, "rangefinder"),
 ];
 
-/// DO_PARACHUTE can be switched on and off where there is none, and not released.
-const PARACHUTE: u16 = 208;
-const RELEASE: f32 = 2.0;
+/// What a command asks of its params, and the result where they are otherwise. Params are numbered from 1.
+#[derive(Clone, Copy, Debug)]
+enum Asks {
+    Nothing,
+    /// The whole number of a param is one of these.
+    OneOf(usize, &'static [i64], CommandResult),
+    Only(usize, f32, CommandResult),
+    AtMost(usize, f32, CommandResult),
+    AtLeast(usize, f32, CommandResult),
+    /// Each param is not below the first bound and not above the second.
+    Within(&'static [(usize, f32, f32)], CommandResult),
+}
+
+impl Asks {
+    /// The result where the params are not as they are asked for, and which one it is.
+    fn refusal(self, params: [f32; 4]) -> Option<(CommandResult, usize)> {
+        let param = |number: usize| params[number - 1];
+        match self {
+            Asks::Nothing => None,
+            Asks::OneOf(number, known, result) => {
+                (!known.contains(&integer(param(number)))).then_some((result, number))
+            }
+            Asks::Only(number, only, result) => (param(number) != only).then_some((result, number)),
+            Asks::AtMost(number, most, result) => (param(number) > most).then_some((result, number)),
+            Asks::AtLeast(number, least, result) => (param(number) < least).then_some((result, number)),
+            Asks::Within(bounds, result) => {
+                let is_outside =
+                    |(number, least, most): &&(usize, f32, f32)| param(*number) < *least || param(*number) > *most;
+                bounds.iter().find(is_outside).map(|(number, ..)| (result, *number))
+            }
+        }
+    }
+}
 
 /// The answer to a command for a device that is not there; none if the command is not for one.
-pub(crate) fn answer(command: u16, param_1: f32) -> Option<Result<(), CommandError>> {
-    let &(_, result, device) = ANSWERS.iter().find(|(number, ..)| *number == command)?;
-    let is_release = command == PARACHUTE && param_1 == RELEASE;
+pub(crate) fn answer(command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
+    let &(_, result, asks, device) = ANSWERS.iter().find(|(number, ..)| *number == command)?;
+    if let Some((result, number)) = asks.refusal(params) {
+        return Some(Err(CommandError::new(result, format!("There is no {device}, and param {number} is wrong"))));
+    }
     Some(match result {
-        _ if is_release => Err(CommandError::failed(format!("There is no {device}"))),
         None => Ok(()),
         Some(refused) => Err(CommandError::new(refused, format!("There is no {device}"))),
     })
@@ -76,8 +112,10 @@ mod tests {
     #[test]
     fn each_command_is_there_once_and_its_reason_fits_a_statustext() {
         assert!(ANSWERS.windows(2).all(|pair| pair[0].0 < pair[1].0));
-        for (command, result, _) in ANSWERS {
-            match answer(command, 0.0) {
+        for (command, result, ..) in ANSWERS {
+            // 42007 has no source of number 0.
+            let params = if command == 42_007 { [1.0, 0.0, 0.0, 0.0] } else { [0.0; 4] };
+            match answer(command, params) {
                 Some(Ok(())) => assert_eq!(result, ACCEPTED),
                 Some(Err(refusal)) => {
                     assert_eq!(Some(refusal.result), result);
@@ -86,7 +124,25 @@ mod tests {
                 None => panic!("{command}"),
             }
         }
-        assert_eq!(answer(400, 1.0), None);
-        assert!(matches!(answer(PARACHUTE, RELEASE), Some(Err(_))));
+        assert_eq!(answer(400, [1.0; 4]), None);
+    }
+
+    #[test]
+    fn params_are_read_where_an_arduplane_reads_them() {
+        for (command, params, result) in [
+            (208, [2.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (218, [41.0, 3.0, 0.0, 0.0], CommandResult::Denied),
+            (2001, [1.0, 0.0, 0.0, 0.0], CommandResult::Unsupported),
+            (2600, [2.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (5300, [2.0, 0.0, 0.0, 0.0], CommandResult::Denied),
+            (42_007, [4.0, 0.0, 0.0, 0.0], CommandResult::Denied),
+            (43_004, [1.0, 0.0, 361.0, 0.0], CommandResult::Denied),
+        ] {
+            assert_eq!(
+                answer(command, params).and_then(Result::err).map(|refusal| refusal.result),
+                Some(result),
+                "{command}"
+            );
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! ArduPlane. Its modes are those of [`Mode`](crate::Mode), and its answers those of `protocol/command/`.
 
+pub(super) mod commands;
 pub(super) mod devices;
+pub(super) mod messages;
 pub(super) mod targets;
 
 use super::px4;
@@ -43,6 +45,7 @@ pub(super) const RULES: Rules = Rules {
     any_ground_station: false,
     watches_streams: false,
 
+    judges_plans_as_px4: false,
     first_mission_item: 1,
     resumes_after_upload: true,
     takes_off_before_mission: false,

@@ -8,8 +8,10 @@
 #![allow(deprecated)]
 
 use super::modes::{MODES, SELECTABLE, mode_name};
+use super::{params, preflight};
 use crate::autopilot::Autopilot;
 use crate::autopilot::habits::ends_a_flight;
+use crate::autopilot::home::Home;
 use crate::autopilot::input::{angle_rad, check_finite, integer};
 use crate::error::Severity;
 use crate::error::{CommandError, CommandResult};
@@ -22,25 +24,12 @@ use mavlink_bridge::{CommandPosition, LatLonE7};
 /// Param 2 of COMPONENT_ARM_DISARM: by force, to disarm in the air.
 const FORCE: f32 = 21196.0;
 
-/// The params that a command has, bit 0 being param 1 (`mavlink_command_params.hpp`): any other must be 0 or NaN.
-fn known_params(command: MavCmd) -> Option<u8> {
-    Some(match command {
-        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => 0,
-        MavCmd::MAV_CMD_NAV_LAND => 0x7B,
-        MavCmd::MAV_CMD_NAV_TAKEOFF => 0x79,
-        MavCmd::MAV_CMD_DO_SET_MODE | MavCmd::MAV_CMD_DO_CHANGE_SPEED => 0x07,
-        MavCmd::MAV_CMD_DO_LAND_START => 0x70,
-        MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT | MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => 0x03,
-        _ => return None,
-    })
-}
-
 /// How a COMMAND_INT leaves a position out.
 const NO_POSITION: LatLonE7 = LatLonE7 { latitude_e7: i32::MAX, longitude_e7: i32::MAX };
 
 /// The answer of a PX4, if it is not that of an ArduPlane.
 pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Result<(), CommandError>> {
-    if let Err(refusal) = check_unused_params(command) {
+    if let Err(refusal) = params::check_command(command) {
         return Some(Err(refusal));
     }
     let [p1, p2, p3, _] = command.params;
@@ -56,16 +45,19 @@ pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command)
         MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => change_altitude(autopilot, p1),
         MavCmd::MAV_CMD_DO_CHANGE_SPEED => change_speed(autopilot, p2),
         MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING => change_heading(autopilot, p1, p2),
-        MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED
-        | MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE
-        | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
-        | MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT
-        | MavCmd::MAV_CMD_DO_FENCE_ENABLE
-        | MavCmd::MAV_CMD_GET_HOME_POSITION
-        | MavCmd::MAV_CMD_DO_RETURN_PATH_START
-        | MavCmd::MAV_CMD_DO_JUMP_TAG
-        | MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => Err(CommandError::unsupported()),
-        _ => return None,
+        MavCmd::MAV_CMD_DO_LAND_START => start_landing(autopilot),
+        MavCmd::MAV_CMD_DO_GO_AROUND => {
+            // It is accepted whether there is a landing to give up or not.
+            let _ = autopilot.go_around(0.0);
+            Ok(())
+        }
+        MavCmd::MAV_CMD_DO_SET_HOME => set_home(autopilot, command),
+        // They are all vehicles' own.
+        MavCmd::MAV_CMD_DO_SET_STANDARD_MODE
+        | MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL
+        | MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL
+        | MavCmd::MAV_CMD_REQUEST_MESSAGE => return None,
+        _ => preflight::execute(autopilot, command),
     })
 }
 
@@ -162,8 +154,42 @@ fn start_mission(autopilot: &mut Autopilot, p1: f32) -> Result<(), CommandError>
     if !(-1.0..f32::from(autopilot.mission().len())).contains(&p1) {
         return Err(CommandError::denied("Mission start denied! No such item"));
     }
+    if p1 >= 0.0 {
+        autopilot.set_current_mission_item([p1, 1.0])?;
+    }
     change_mode(autopilot, Mode::Auto)?;
     if autopilot.flight.is_armed() { Ok(()) } else { arm(autopilot) }
+}
+
+/// DO_LAND_START: the mission, from its landing on.
+fn start_landing(autopilot: &mut Autopilot) -> Result<(), CommandError> {
+    let Some(seq) = autopilot.mission_landing() else {
+        return Err(CommandError::new(CommandResult::Cancelled, "Planned mission landing not available"));
+    };
+    autopilot.set_current_item(seq, true)?;
+    change_mode(autopilot, Mode::Auto)?;
+    if autopilot.flight.is_armed() { Ok(()) } else { arm(autopilot) }
+}
+
+/// DO_SET_HOME. Param 1: 1 for where it is; else a place above sea level in any frame, all of it given.
+fn set_home(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
+    let position = place("Home", command)?;
+    if command.params[0] > 0.5 || position.is_some_and(|position| position == LatLonE7::default()) {
+        autopilot.set_home_here();
+        autopilot.session.home_is_set = true;
+        return Ok(());
+    }
+    let Some(position) = position else {
+        return Err(CommandError::denied("Home: no place is given"));
+    };
+    if !command.z.is_finite() {
+        return Err(CommandError::denied("Home: no altitude is given"));
+    }
+    let altitude_m = altitude_m(autopilot, command.z)?;
+    let position_m = autopilot.reference().locate(position);
+    autopilot.set_home(Home { x_m: position_m.x, y_m: position_m.y, altitude_m });
+    autopilot.session.home_is_set = true;
+    Ok(())
 }
 
 /// Param 1: m/s, or -1. Param 2: 1 to go into Hold. Param 3: radius in m. x, y: a place, or where it is. z: m above sea
@@ -263,11 +289,6 @@ fn altitude_m(autopilot: &Autopilot, z: f32) -> Result<f64, CommandError> {
     autopilot.altitude_m("Altitude", z, MavFrame::MAV_FRAME_GLOBAL as u8)
 }
 
-/// Commands for gimbals that a PX4 accepts without one (`navigator_main.cpp`): regions of interest.
-pub(in crate::firmware) fn accepts_without_device(command: u16) -> bool {
-    matches!(command, 195 | 197 | 201)
-}
-
 /// A place that a command may leave out.
 fn place(name: &str, command: &Command) -> Result<Option<LatLonE7>, CommandError> {
     let is_given = match command.position {
@@ -281,11 +302,28 @@ fn place(name: &str, command: &Command) -> Result<Option<LatLonE7>, CommandError
     Ok(place)
 }
 
+/// The mode that the flags of MAVLink's older base modes mean.
+fn base_mode_of(flags: MavModeFlag) -> Result<Mode, CommandError> {
+    if flags.contains(MavModeFlag::MAV_MODE_FLAG_AUTO_ENABLED) {
+        return Ok(Mode::Auto);
+    }
+    if !flags.contains(MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED) {
+        return Err(CommandError::rejected("Unsupported base mode"));
+    }
+    Ok(if flags.contains(MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED) {
+        Mode::Cruise
+    } else if flags.contains(MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED) {
+        Mode::Stabilize
+    } else {
+        Mode::Manual
+    })
+}
+
 /// Params of DO_SET_MODE: flags, main mode, sub mode.
 pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> Result<Mode, CommandError> {
-    let custom = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
-    if integer(base_mode) & custom == 0 {
-        return Err(CommandError::rejected("Unsupported base mode"));
+    let flags = MavModeFlag::from_bits_truncate(integer(base_mode) as u8);
+    if !flags.contains(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED) {
+        return base_mode_of(flags);
     }
     // AUTO without more is the mission, and the sub mode counts in AUTO alone.
     let (main, sub) = match (integer(main), integer(sub)) {
@@ -300,21 +338,5 @@ pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> R
         Some((mode, ..)) => Ok(mode),
         None if main == 4 => Err(CommandError::rejected("Unsupported auto mode")),
         None => Err(CommandError::rejected("Unsupported main mode")),
-    }
-}
-
-/// A param that a command has not must be 0 or NaN.
-fn check_unused_params(command: &Command) -> Result<(), CommandError> {
-    let Some(known) = known_params(command.command) else { return Ok(()) };
-    let [p1, p2, p3, p4] = command.params;
-    let [p5, p6] = match command.position {
-        CommandPosition::Int(NO_POSITION) => [0.0; 2],
-        CommandPosition::Int(position) => [position.latitude_e7 as f32, position.longitude_e7 as f32],
-        CommandPosition::Long(degrees) => degrees,
-    };
-    let all = [p1, p2, p3, p4, p5, p6, command.z];
-    match all.iter().enumerate().find(|(index, param)| known >> index & 1 == 0 && !param.is_nan() && **param != 0.0) {
-        Some((index, _)) => Err(CommandError::denied(format!("Command: param {} is not supported", index + 1))),
-        None => Ok(()),
     }
 }

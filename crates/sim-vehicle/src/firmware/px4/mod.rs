@@ -3,9 +3,13 @@
 //! What it watches over is in `autopilot/failsafe/streams.rs`, what it does by itself in `autopilot/habits.rs`.
 
 pub(super) mod commands;
+pub(super) mod messages;
+pub(super) mod mission_items;
 pub(super) mod modes;
 pub(super) mod offboard;
 pub(super) mod parameters;
+mod params;
+pub(super) mod preflight;
 
 use super::arduplane;
 use super::rules::{CommandSet, Rules, TargetSet};
@@ -48,6 +52,7 @@ pub(super) const RULES: Rules = Rules {
     any_ground_station: true,
     watches_streams: true,
 
+    judges_plans_as_px4: true,
     first_mission_item: 0,
     resumes_after_upload: false,
     takes_off_before_mission: true,

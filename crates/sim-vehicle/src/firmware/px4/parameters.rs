@@ -13,6 +13,7 @@ pub(in crate::firmware) const OWN_PARAMETERS: &[Parameter] = &[
     Parameter::DataLinkExceptions,
     Parameter::FailsafeDelay,
     Parameter::PreflightDisarmDelay,
+    Parameter::FailureInjection,
 ];
 
 /// Parameters that a PX4 has not: its own failsafes and checks stand in for them, its rates are asked for by message,

@@ -8,6 +8,8 @@
 #![allow(deprecated)]
 
 mod message_requests;
+#[cfg(test)]
+mod page;
 pub(crate) mod preflight;
 mod reposition;
 pub(crate) mod request;
@@ -45,8 +47,17 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
         MavCmd::MAV_CMD_DO_LAND_START => autopilot.start_landing(),
         MavCmd::MAV_CMD_DO_RETURN_PATH_START => autopilot.start_return_path(),
         MavCmd::MAV_CMD_DO_GO_AROUND => autopilot.go_around(p1),
-        MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => autopilot.set_current_mission_item(p1),
-        MavCmd::MAV_CMD_DO_JUMP_TAG => autopilot.jump_to_tag(p1),
+        MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
+            autopilot.set_current_mission_item([p1, p2])?;
+            // Who asks is told the current item at once.
+            component.send_stream(link, Stream::MissionCurrent);
+            Ok(())
+        }
+        MavCmd::MAV_CMD_DO_JUMP_TAG => {
+            autopilot.jump_to_tag(p1)?;
+            component.send_stream(link, Stream::MissionCurrent);
+            Ok(())
+        }
         MavCmd::MAV_CMD_DO_FENCE_ENABLE => autopilot.enable_fence([p1, p2]),
         // ArduPlane takes it for quadplanes alone.
         MavCmd::MAV_CMD_NAV_TAKEOFF => Err(CommandError::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
@@ -57,7 +68,9 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
         MavCmd::MAV_CMD_DO_CHANGE_SPEED => autopilot.change_speed([p1, p2, p3]),
         MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE => autopilot.change_altitude([p1, p2]),
         MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL => message_requests::tell_message_interval(component, p1, link),
-        MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => message_requests::set_message_interval(component, [p1, p2], link),
+        MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => {
+            message_requests::set_message_interval(component, command.params, command.z, link)
+        }
         MavCmd::MAV_CMD_REQUEST_MESSAGE => message_requests::request_message(component, [p1, p2], link),
         MavCmd::MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => {
             message_requests::answer_old_request(component, p1, Stream::AutopilotVersion, link)
@@ -92,7 +105,9 @@ pub(crate) fn execute_by_number(autopilot: &mut Autopilot, raw: &mavlink_bridge:
             Ok(())
         }
         BATTERY_RESET if autopilot.rules().has_ardupilot_commands => preflight::reset_battery(autopilot, [p1, p2]),
-        number => answers::for_device(autopilot.rules(), number, p1).unwrap_or(Err(CommandError::unsupported())),
+        number => {
+            answers::for_device(autopilot.rules(), number, raw.params).unwrap_or(Err(CommandError::unsupported()))
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 use crate::autopilot::plan::PlanKind;
 use crate::autopilot::{fence, mission, rally};
 use crate::error::PlanError;
+use crate::firmware::answers;
+use crate::firmware::rules::{CommandSet, Rules};
 use crate::parameters::table::Parameter;
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::{MavMissionResult, MavMissionType};
@@ -41,7 +43,18 @@ pub(super) fn total(kind: PlanKind) -> Parameter {
 
 /// Whether an item can be one of `count` in this plan; the result code that says why not.
 /// `first` is that of the items of a mission that are flown.
-pub(super) fn check(kind: PlanKind, seq: u16, item: &PlanItem, count: u16, first: u16) -> Result<(), PlanError> {
+/// `by_integers`: it came as MISSION_ITEM_INT.
+pub(super) fn check(
+    rules: &Rules,
+    kind: PlanKind,
+    (seq, item): (u16, &PlanItem),
+    count: u16,
+    by_integers: bool,
+) -> Result<(), PlanError> {
+    if let Some(verdict) = answers::check_plan_item(rules, kind, item, by_integers) {
+        return verdict;
+    }
+    let first = rules.first_mission_item;
     match kind {
         // Home is what it is.
         PlanKind::Mission if seq < first => Ok(()),
@@ -52,17 +65,19 @@ pub(super) fn check(kind: PlanKind, seq: u16, item: &PlanItem, count: u16, first
 }
 
 /// Whether items can be a plan; the index of the one that cannot, of the first too many or of their end, and why.
-pub(super) fn check_items(kind: PlanKind, items: &[PlanItem], first: u16) -> Result<(), (usize, String)> {
+pub(super) fn check_items(rules: &Rules, kind: PlanKind, items: &[PlanItem]) -> Result<(), (usize, String)> {
     let count = u16::try_from(items.len()).unwrap_or(u16::MAX);
     if count > items_max(kind) {
         let most = items_max(kind);
         return Err((usize::from(most), format!("{} refused: more than {most} items", kind.name())));
     }
     for (seq, item) in (0..count).zip(items) {
-        check(kind, seq, item, count, first)
+        // By which message it came is not known any more.
+        check(rules, kind, (seq, item), count, true)
+            .or_else(|error| check(rules, kind, (seq, item), count, false).map_err(|_| error))
             .map_err(|error| (usize::from(seq), format!("{}: item {seq}", refusal(kind.name(), result_of(error)))))?;
     }
-    if kind == PlanKind::Fence {
+    if kind == PlanKind::Fence && rules.commands != CommandSet::Px4 {
         fence::items::check_whole(items).map_err(|reason| (items.len(), format!("Fence refused: {reason}")))?;
     }
     Ok(())

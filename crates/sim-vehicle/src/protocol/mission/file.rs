@@ -4,6 +4,7 @@
 
 use super::check::check_items;
 use crate::autopilot::plan::{PlanKind, Plans};
+use crate::firmware::Personality;
 use mavlink_bridge::PlanItem;
 use std::fmt::Write as _;
 use std::io;
@@ -41,13 +42,13 @@ pub(crate) fn path(folder: &Path, vehicle: usize, kind: PlanKind) -> PathBuf {
 }
 
 /// All plans of the vehicle of an index; those without a file are empty.
-pub(crate) fn read(folder: &Path, vehicle: usize) -> Result<Plans, PlanFileError> {
+pub(crate) fn read(folder: &Path, vehicle: usize, personality: Personality) -> Result<Plans, PlanFileError> {
     let mut plans = Plans::default();
     for kind in PlanKind::ALL {
         let path = path(folder, vehicle, kind);
         match std::fs::read_to_string(&path) {
             Ok(text) => {
-                let found = parse(kind, &text);
+                let found = parse(kind, &text, personality);
                 *plans.of(kind) = found.map_err(|(line, reason)| PlanFileError::Line { path, line, reason })?;
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
@@ -91,7 +92,7 @@ fn degrees(e7: i32) -> String {
 }
 
 /// The items, or the line from 1 that is wrong, and why.
-fn parse(kind: PlanKind, text: &str) -> Result<Vec<PlanItem>, (usize, String)> {
+fn parse(kind: PlanKind, text: &str, personality: Personality) -> Result<Vec<PlanItem>, (usize, String)> {
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let header = lines.next();
     if header.is_none_or(|(_, line)| line.trim() != HEADER) {
@@ -105,7 +106,7 @@ fn parse(kind: PlanKind, text: &str) -> Result<Vec<PlanItem>, (usize, String)> {
     }
     let at = |seq: usize| numbers.get(seq).or(numbers.last()).copied().unwrap_or(1);
     // Whether item 0 is home is the vehicle's to say, which looks at them again.
-    check_items(kind, &items, 1).map_err(|(seq, reason)| (at(seq), reason))?;
+    check_items(personality.rules(), kind, &items).map_err(|(seq, reason)| (at(seq), reason))?;
     Ok(items)
 }
 
@@ -173,8 +174,11 @@ mod tests {
         assert!(path.ends_with("vehicle-2-rally.txt"));
         write(&path, &points).unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-        assert_eq!(read(folder.path(), 1).unwrap(), Plans { rally: points, ..Plans::default() });
-        assert_eq!(read(folder.path(), 0).unwrap(), Plans::default());
+        assert_eq!(
+            read(folder.path(), 1, Personality::ArduPlane).unwrap(),
+            Plans { rally: points, ..Plans::default() }
+        );
+        assert_eq!(read(folder.path(), 0, Personality::ArduPlane).unwrap(), Plans::default());
         (0..2).for_each(|_| write(&path, &[]).unwrap());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
@@ -182,7 +186,7 @@ mod tests {
     #[test]
     fn ground_stations_files_are_read() {
         let line = "0\t1\t0\t16\t0.000000\tnan\t0.0\t0\t-35.3632621\t149.1652374\t584.090027\t1";
-        let found = parse(PlanKind::Mission, &format!("{HEADER}\r\n{line}\r\n\n")).unwrap();
+        let found = parse(PlanKind::Mission, &format!("{HEADER}\r\n{line}\r\n\n"), Personality::ArduPlane).unwrap();
         assert_eq!((found[0].latitude_e7, found[0].longitude_e7), (-353_632_621, 1_491_652_374));
         assert!(found[0].params[1].is_nan());
     }
@@ -207,7 +211,7 @@ mod tests {
                 "Rally refused: unsupported: item 1".to_owned(),
             ),
         ] {
-            assert_eq!(parse(PlanKind::Rally, text), Err((line, reason)));
+            assert_eq!(parse(PlanKind::Rally, text, Personality::ArduPlane), Err((line, reason)));
         }
     }
 }

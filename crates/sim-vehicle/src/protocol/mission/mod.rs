@@ -66,7 +66,7 @@ impl MissionService {
     pub fn restore(&mut self, component: &mut Component, mut plans: Plans) -> Result<(), SettingsError> {
         for kind in PlanKind::ALL {
             let items = plans.take(kind);
-            check_items(kind, &items, component.autopilot.mission().first())
+            check_items(component.autopilot.rules(), kind, &items)
                 .map_err(|(_, reason)| SettingsError::Plan(reason))?;
             let refused = |reason: PlanError| SettingsError::Plan(format!("{} refused: {reason}", kind.name()));
             // None kept is none cleared: home stays.
@@ -106,7 +106,7 @@ impl MissionService {
             PlanMessage::SetCurrent(seq) => {
                 // It has no acknowledgement of its own. Whoever hears at once of another item than he asked for asks
                 // again.
-                match component.autopilot.set_current_item(seq) {
+                match component.autopilot.set_current_item(seq, false) {
                     Ok(()) => component.send_stream(link, Stream::MissionCurrent),
                     Err(error) => component.autopilot.say(Severity::Warning, &error.reason.unwrap_or_default()),
                 }

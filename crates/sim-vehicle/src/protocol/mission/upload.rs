@@ -180,7 +180,9 @@ impl MissionService {
             // As in ArduPilot, the upload goes on with the item that was asked for.
             self.refuse_plan(component, link, sender, kind, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
         } else if seq == next {
-            if let Err(error) = check(kind, seq, &item, total, component.autopilot.mission().first()) {
+            let by_integers = !component.peers().has_old_items(link);
+            let rules = component.autopilot.rules();
+            if let Err(error) = check(rules, kind, (seq, &item), total, by_integers) {
                 let result = result_of(error);
                 *self.uploads.of(kind) = None;
                 let text = format!("{}, item {seq} ({})", refusal(kind.name(), result), item.command);

@@ -1,0 +1,35 @@
+//! What an autopilot makes of a message that somebody asks for, by its number.
+
+use super::rules::CommandSet;
+use super::{arduplane, px4};
+use crate::autopilot::Autopilot;
+use crate::telemetry::streams::Stream;
+
+/// A message as an autopilot offers it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Offer {
+    /// It can be sent, at a rate and when asked for.
+    Sent(Stream),
+    /// Its rate can be set and it is accepted when asked for, but nothing comes: for want of this.
+    Silent(&'static str),
+    /// Its rate can be set, and it is refused when asked for.
+    RateAlone,
+    /// It is not known.
+    None,
+}
+
+impl CommandSet {
+    /// What an autopilot makes of a message.
+    pub fn offer(self, message_id: u32) -> Offer {
+        match self {
+            CommandSet::ArduPlane => arduplane::messages::offer(message_id),
+            CommandSet::Px4 => px4::messages::offer(message_id),
+            CommandSet::Generic => Stream::from_message_id(message_id).map_or(Offer::None, Offer::Sent),
+        }
+    }
+}
+
+/// Whether a PX4 has something to say in a message.
+pub(crate) fn px4_has(autopilot: &Autopilot, stream: Stream) -> bool {
+    px4::messages::has(autopilot, stream)
+}

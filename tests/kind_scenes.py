@@ -1,0 +1,79 @@
+"""Scenes of the kinds of faults that other people's scripts found: params that modify a command, selectors, value sets."""
+
+from differential import scene
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+INTERVAL, REBOOT, SPEED = (
+    mavlink.MAV_CMD_SET_MESSAGE_INTERVAL,
+    mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN,
+    mavlink.MAV_CMD_DO_CHANGE_SPEED,
+)
+GUIDED, AUTO, RTL = 15, 10, 11
+
+
+@scene
+def params_that_modify(talk):
+    for name, params in {
+        "an interval with a third param": (INTERVAL, mavlink.MAVLINK_MSG_ID_ATTITUDE, 1_000_000, 1),
+        "a reboot of neither kind": (REBOOT, 2),
+        "a parachute is released": (mavlink.MAV_CMD_DO_PARACHUTE, 2),
+        "something else is done with a parachute": (mavlink.MAV_CMD_DO_PARACHUTE, 3),
+        "an auxiliary function at a place that there is not": (mavlink.MAV_CMD_DO_AUX_FUNCTION, 41, 3),
+        "an image by a camera below 0": (mavlink.MAV_CMD_IMAGE_START_CAPTURE, -1),
+        "no image by the first camera": (mavlink.MAV_CMD_IMAGE_STOP_CAPTURE, 1),
+        "neither with nor without high latency": (mavlink.MAV_CMD_CONTROL_HIGH_LATENCY, 2),
+        "a safety switch in a third position": (mavlink.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 2),
+        "the first source of the EKF": (mavlink.MAV_CMD_SET_EKF_SOURCE_SET, 1),
+        "the fourth source of the EKF": (mavlink.MAV_CMD_SET_EKF_SOURCE_SET, 4),
+        "wind of a negative speed": (43_004, -1),
+        "wind from beyond all directions": (43_004, 3, 0, 361),
+        "a tag of more than 16 bits": (mavlink.MAV_CMD_DO_JUMP_TAG, 70_000),
+        "the protocol's version, without param 1": (mavlink.MAV_CMD_REQUEST_PROTOCOL_VERSION, 0),
+        "the capabilities, without param 1": (mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, 0),
+        "the first item of a mission that is started": (mavlink.MAV_CMD_MISSION_START, 1),
+        "a fence in a fourth way": (mavlink.MAV_CMD_DO_FENCE_ENABLE, 3),
+    }.items():
+        with talk.step(name):
+            talk.long(*params)
+    with talk.step("a take-off in a frame of its own"):
+        talk.int(mavlink.MAV_CMD_NAV_TAKEOFF, z=-50, frame=mavlink.MAV_FRAME_LOCAL_OFFSET_NED)
+    with talk.step("a take-off above home"):
+        talk.int(mavlink.MAV_CMD_NAV_TAKEOFF, z=50)
+    with talk.step("a place from outside, with an altitude"):
+        talk.int(mavlink.MAV_CMD_EXTERNAL_POSITION_ESTIMATE, z=50, frame=mavlink.MAV_FRAME_GLOBAL)
+
+
+@scene
+def value_sets(talk):
+    for name, values in {
+        "FS_LONG_ACTN": range(6),
+        "BATT_FS_LOW_ACT": range(8),
+        "BATT_FS_CRT_ACT": range(8),
+        "RTL_AUTOLAND": range(5),
+        "FS_GCS_ENABL": range(4),
+        "FENCE_ACTION": (0, 1, 6, 7, 8),
+        "FENCE_AUTOENABLE": range(4),
+        "FENCE_OPTIONS": range(8),
+    }.items():
+        for value in values:
+            with talk.step(f"{name} {value}"):
+                talk.set(name, value)
+
+
+@scene
+def kinds_of_speed(talk):
+    talk.take_off()
+    talk.mode(GUIDED)
+    talk.settle()
+    for kind in range(5):
+        with talk.step(f"a speed of kind {kind}"):
+            talk.long(SPEED, kind, 12, 0)
+        with talk.step(f"a throttle beside a speed of kind {kind} that nothing flies"):
+            talk.long(SPEED, kind, 1000, 50)
+    with talk.step("the usual speed"):
+        talk.long(SPEED, 0, -2, 0)
+    with talk.step("a speed of no size"):
+        talk.long(SPEED, 0, 0, 0)
+    for kind in range(4):
+        with talk.step(f"a heading of kind {kind}"):
+            talk.long(mavlink.MAV_CMD_GUIDED_CHANGE_HEADING, kind, 90, 20)
