@@ -126,7 +126,7 @@ impl Station {
     fn watch_age(&mut self, index: usize, now: Duration) {
         let (now_s, number) = (now.as_secs_f64(), Some(super::number(index)));
         let Some(age_s) = self.vehicles[index].age_s(now_s) else { return };
-        if !self.vehicles[index].entered {
+        if !self.vehicles[index].entered || now < self.catching_up_until {
             return;
         }
         if age_s > super::LOST_S {

@@ -110,6 +110,9 @@ pub struct Station {
     verbs: Vec<Verb>,
     outbox: Vec<Outgoing>,
     beat: Option<Duration>,
+    polled: Option<Duration>,
+    /// Until then what a stalled machine has not read yet is waited for.
+    catching_up_until: Duration,
     clock: SolveClock,
 }
 
@@ -175,6 +178,8 @@ impl Station {
             verbs: Vec::new(),
             outbox: Vec::new(),
             beat: None,
+            polled: None,
+            catching_up_until: Duration::ZERO,
             clock,
         }
     }
@@ -269,6 +274,7 @@ impl Station {
 
     /// Does what is due; call it every few hundredths of a second.
     pub fn poll(&mut self, now: Duration) {
+        self.watch_the_machine(now);
         self.keep_house(now);
         let phase = std::mem::replace(&mut self.phase, Phase::Over(None));
         let before = phase.name();
@@ -284,6 +290,17 @@ impl Station {
         };
         if self.phase.name() != before {
             self.journal.push(serde_json::json!({"phase": self.phase.name(), "at_s": now.as_secs_f64()}));
+        }
+    }
+
+    /// A machine that stalls leaves telemetry unread: no vehicle is called silent for that.
+    fn watch_the_machine(&mut self, now: Duration) {
+        const STALL: Duration = Duration::from_millis(700);
+        let stalled = self.polled.replace(now).map_or(Duration::ZERO, |polled| now.saturating_sub(polled));
+        if stalled > STALL {
+            self.catching_up_until = now + Duration::from_secs(1);
+            let text = format!("this machine stalled for {:.1} s: it cannot keep up", stalled.as_secs_f64());
+            self.told.once(now.as_secs_f64(), None, "stalled", Weight::Warning, text);
         }
     }
 

@@ -157,6 +157,7 @@ impl Autopilot {
         &self.frame
     }
 
+    #[inline]
     pub fn mode(&self) -> Mode {
         self.flight.mode()
     }
@@ -185,6 +186,7 @@ impl Autopilot {
     }
 
     /// How things stand.
+    #[inline]
     pub fn situation(&self) -> Situation<'_> {
         Situation {
             time: self.time,
@@ -198,6 +200,7 @@ impl Autopilot {
     }
 
     /// How things stand, beside what watches over them.
+    #[inline]
     fn split(&mut self) -> (Situation<'_>, &mut Session, &mut Events) {
         let now = Situation {
             time: self.time,

@@ -24,18 +24,22 @@ pub(crate) struct Situation<'a> {
 }
 
 impl Situation<'_> {
+    #[inline]
     pub fn get(&self, parameter: Parameter) -> f32 {
         self.parameters.get(parameter)
     }
 
+    #[inline]
     pub fn mode(&self) -> Mode {
         self.flight.mode()
     }
 
+    #[inline]
     pub fn is_armed(&self) -> bool {
         self.flight.is_armed()
     }
 
+    #[inline]
     pub fn has_fix(&self) -> bool {
         GpsSettings::of(self.parameters).has_fix()
     }

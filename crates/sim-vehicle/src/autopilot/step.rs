@@ -31,28 +31,15 @@ impl Autopilot {
     }
 
     fn check_failsafes(&mut self) {
-        let (now, session, _) = self.split();
-        if let Some(proposal) = session.failsafes.setpoints.check(&now, &mut session.timers) {
-            self.act(proposal);
+        // A proposal changes how things stand: the watches after it look anew.
+        let mut next = 0;
+        loop {
+            let (now, session, events) = self.split();
+            match session.failsafes.check(&mut next, &now, &mut session.timers, events) {
+                Some(proposal) => self.act(proposal),
+                None => return,
+            }
         }
-        let (now, session, _) = self.split();
-        if let Some(proposal) = session.failsafes.ground_station.check(&now, &session.timers) {
-            self.act(proposal);
-        }
-        let (now, session, events) = self.split();
-        if let Some(proposal) = session.failsafes.battery.check(&now, &mut session.timers, events) {
-            self.act(proposal);
-        }
-        let (now, session, events) = self.split();
-        if let Some(proposal) = session.failsafes.gps.check(&now, events) {
-            self.act(proposal);
-        }
-        let (now, session, events) = self.split();
-        if let Some(proposal) = session.failsafes.engine.check(&now, events) {
-            self.act(proposal);
-        }
-        let (now, session, events) = self.split();
-        session.failsafes.wind.check(&now, events);
     }
 
     fn check_fence(&mut self) {

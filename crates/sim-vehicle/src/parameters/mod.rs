@@ -187,6 +187,7 @@ impl Parameters {
         self.rules.bytewise_parameters && kind != MavParamType::MAV_PARAM_TYPE_REAL32
     }
 
+    #[inline]
     pub fn get(&self, parameter: Parameter) -> f32 {
         self.values[parameter as usize]
     }

@@ -52,6 +52,7 @@ impl World {
 
     /// The air of the step that begins at `time`, for a vehicle in a state: the wind, and the wind that its autopilot
     /// reckons with while no GPS tells where the air carries it.
+    #[inline]
     pub fn blow(
         &mut self,
         parameters: &Parameters,
@@ -70,6 +71,7 @@ impl World {
 
     /// What flying costs in that step: the battery drains by a share of the greatest power, and the barometer drifts.
     /// Gives whether the engine works, of which a share of the greatest power is needed.
+    #[inline]
     pub fn drain(&mut self, parameters: &Parameters, step: Duration, power: f64, power_needed: f64) -> bool {
         let step_s = step.as_secs_f64();
         let battery = BatterySettings::of(parameters);
@@ -81,10 +83,12 @@ impl World {
     }
 
     /// The wind as the vehicle's estimator has it.
+    #[inline]
     pub fn wind_estimate(&self) -> Wind {
         self.weather.estimate()
     }
 
+    #[inline]
     pub fn battery(&self) -> &Battery {
         &self.battery
     }

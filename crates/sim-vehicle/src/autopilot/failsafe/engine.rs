@@ -16,6 +16,7 @@ impl EngineWatch {
         self.has_failed
     }
 
+    #[inline]
     pub fn check(&mut self, now: &Situation<'_>, events: &mut Events) -> Option<Proposal> {
         let has_failed = now.is_armed() && !now.flight.is_engine_running();
         if std::mem::replace(&mut self.has_failed, has_failed) == has_failed {

@@ -19,6 +19,7 @@ impl GpsWatch {
         self.is_lost
     }
 
+    #[inline]
     pub fn check(&mut self, now: &Situation<'_>, events: &mut Events) -> Option<Proposal> {
         let is_lost = now.is_armed() && !now.has_fix();
         if std::mem::replace(&mut self.is_lost, is_lost) == is_lost {

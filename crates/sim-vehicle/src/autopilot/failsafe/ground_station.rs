@@ -28,6 +28,7 @@ impl GroundStationWatch {
     }
 
     /// Nobody waits for the first heartbeat.
+    #[inline]
     pub fn check(&mut self, now: &Situation<'_>, timers: &Timers) -> Option<Proposal> {
         const ONLY_IN_AUTO: f32 = 3.0;
         let enabled = now.get(Parameter::GroundFailsafe);

@@ -10,10 +10,14 @@ pub(crate) mod setpoints;
 pub(crate) mod streams;
 mod wind;
 
+use super::event::Events;
+use super::situation::Situation;
+use super::timer::Timers;
 use battery::{BatteryLevel, BatteryWatch};
 use engine::EngineWatch;
 use gps::GpsWatch;
 use ground_station::GroundStationWatch;
+use proposal::Proposal;
 use setpoints::SetpointWatch;
 use streams::StreamWatch;
 use wind::WindWatch;
@@ -31,6 +35,32 @@ pub(crate) struct Failsafes {
 }
 
 impl Failsafes {
+    /// Looks at each of them from the one of a number on, up to the first that proposes something; `next` is then the one
+    /// after it. None when all have been looked at.
+    pub fn check(
+        &mut self,
+        next: &mut u8,
+        now: &Situation<'_>,
+        timers: &mut Timers,
+        events: &mut Events,
+    ) -> Option<Proposal> {
+        while *next < 5 {
+            *next += 1;
+            let proposal = match *next {
+                1 => self.setpoints.check(now, timers),
+                2 => self.ground_station.check(now, timers),
+                3 => self.battery.check(now, timers, events),
+                4 => self.gps.check(now, events),
+                _ => self.engine.check(now, events),
+            };
+            if proposal.is_some() {
+                return proposal;
+            }
+        }
+        self.wind.check(now, events);
+        None
+    }
+
     /// Whether any of them acts.
     pub fn is_any(&self) -> bool {
         self.setpoints.is_lost()

@@ -23,6 +23,7 @@ impl SetpointWatch {
         self.is_lost = is_lost;
     }
 
+    #[inline]
     pub fn check(&mut self, now: &Situation<'_>, timers: &mut Timers) -> Option<Proposal> {
         if timers.is_set(Timer::SetpointTimeout) && !now.flight.is_flying() {
             restart(now, timers);

@@ -15,6 +15,7 @@ pub(crate) struct WindWatch {
 
 impl WindWatch {
     /// No mode helps: it is said, and the vehicle goes on as well as it can.
+    #[inline]
     pub fn check(&mut self, now: &Situation<'_>, events: &mut Events) {
         let wind_mps = now.world.wind_estimate().speed_mps();
         if wind_mps == 0.0 && !self.is_blown_away {

@@ -32,6 +32,7 @@ impl Air {
 
     /// The air of the next step in the air; gives the rate of climb, m/s, that a gust from below adds. `known` is the
     /// wind that the autopilot reckons with; none: it sees its way over ground.
+    #[inline]
     pub fn feel(&mut self, wind: Wind, known: Option<Wind>) -> f64 {
         self.outside = wind;
         let lifted_mps = wind.up_mps - self.wind.up_mps;
@@ -44,17 +45,20 @@ impl Air {
     }
 
     /// As the vehicle feels it.
+    #[inline]
     pub fn wind(&self) -> &Wind {
         &self.wind
     }
 
     /// A state as the air sees it: airspeed and heading in the place of speed and course over ground.
+    #[inline]
     pub fn see(&self, state: &State) -> State {
         state.in_air(&self.wind)
     }
 
     /// Where and how fast a vehicle in a state believes to be: there, unless it has to reckon with a wind that it does
     /// not see.
+    #[inline]
     pub fn estimate(&self, state: &State) -> State {
         let astray_m = self.astray_m;
         if self.known == self.wind && astray_m == Vector2::zeros() {
@@ -83,11 +87,13 @@ impl Air {
     }
 
     /// A step begins at a state.
+    #[inline]
     pub fn remember(&mut self, before: &State) {
         self.before = *before;
     }
 
     /// The vehicle has been carried for a step by a wind that it may not know.
+    #[inline]
     pub fn carry(&mut self, step_s: f64) {
         self.astray_m.x += step_s * (self.known.north_mps - self.wind.north_mps);
         self.astray_m.y += step_s * (self.known.east_mps - self.wind.east_mps);
@@ -96,6 +102,7 @@ impl Air {
     /// A setpoint of what is wanted as airspeed and heading, by the wind triangle. The heading lags behind its setpoint
     /// by the time constant of its loop: the airspeed of then counts, or each gust would turn the course while the
     /// airspeed settles.
+    #[inline]
     pub fn through(&self, setpoint: &Setpoint, wanted: Wanted, airspeed_mps: f64, dynamics: &Dynamics) -> Setpoint {
         let known = self.known;
         if known.north_mps == 0.0 && known.east_mps == 0.0 {

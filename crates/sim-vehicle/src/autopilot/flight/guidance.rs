@@ -58,6 +58,7 @@ pub(crate) struct RallyPlace {
 
 impl Direction {
     /// The course setpoint of this moment, rad (any turn). `dynamics` tells how tightly the vehicle turns now.
+    #[inline]
     pub fn course_rad(&mut self, state: &State, dynamics: &Dynamics) -> f64 {
         match self {
             Direction::Course(rad) | Direction::Heading(rad) => *rad,

@@ -122,14 +122,17 @@ impl Flight {
         flight
     }
 
+    #[inline]
     pub fn state(&self) -> &State {
         &self.state
     }
 
+    #[inline]
     pub fn mode(&self) -> Mode {
         self.mode
     }
 
+    #[inline]
     pub fn is_armed(&self) -> bool {
         self.armed
     }
@@ -144,6 +147,7 @@ impl Flight {
     }
 
     /// Whether it flies: on the ground, a run faster than ArduPlane's bound of 1.5 m/s counts.
+    #[inline]
     pub fn is_flying(&self) -> bool {
         const RUN_MPS: f64 = 1.5;
         match self.contact {
@@ -157,11 +161,13 @@ impl Flight {
         matches!(self.stage, Stage::Takeoff)
     }
 
+    #[inline]
     pub fn is_landing(&self) -> bool {
         matches!(self.stage, Stage::Landing(_))
     }
 
     /// Whether it has touched down, and not left the ground since.
+    #[inline]
     pub fn is_on_ground(&self) -> bool {
         self.contact == Contact::Ground
     }
@@ -181,6 +187,7 @@ impl Flight {
         self.engine_works = works;
     }
 
+    #[inline]
     pub fn is_engine_running(&self) -> bool {
         self.armed && self.engine_works
     }
@@ -196,6 +203,7 @@ impl Flight {
 
     /// Where and how fast the vehicle believes to be: its true state, unless it has to reckon with a wind that it does
     /// not see.
+    #[inline]
     pub fn estimate(&self) -> State {
         self.air.estimate(&self.state)
     }
@@ -211,11 +219,13 @@ impl Flight {
     }
 
     /// The state as the air sees it: airspeed and heading in the place of speed and course over ground.
+    #[inline]
     pub fn in_air(&self) -> State {
         self.air.see(&self.state)
     }
 
     /// Speed through the air, m/s, true.
+    #[inline]
     pub fn airspeed_mps(&self) -> f64 {
         self.in_air().speed_mps
     }
@@ -245,6 +255,7 @@ impl Flight {
     }
 
     /// Power that the speed asked for needs in level flight, as a share of the motor's greatest.
+    #[inline]
     pub fn power_needed(&self) -> f64 {
         let share = self.speed.target / self.dynamics.limits.speed_max_mps;
         (share * share * share).clamp(0.0, 1.0)
@@ -252,6 +263,7 @@ impl Flight {
 
     /// Power that the motor gives, as a share of its greatest: drag grows with the cube of the airspeed, and a climb
     /// costs.
+    #[inline]
     pub fn power_share(&self) -> f64 {
         let limits = self.dynamics.limits;
         let speed = self.airspeed_mps() / limits.speed_max_mps;
