@@ -35,8 +35,8 @@ pub(crate) struct Failsafes {
 }
 
 impl Failsafes {
-    /// Looks at each of them from the one of a number on, up to the first that proposes something; `next` is then the one
-    /// after it. None when all have been looked at.
+    /// Looks at each of them from the one of a number on, up to the first that proposes something; `next` is then the
+    /// one after it. None when all have been looked at.
     pub fn check(
         &mut self,
         next: &mut u8,
