@@ -45,7 +45,7 @@ impl Cli {
     pub fn read(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<Self, clap::Error> {
         let matches = Self::full_command().try_get_matches_from(arguments)?;
         let mut cli = Self::from_arg_matches(&matches)?;
-        cli.layers = matches.subcommand().map(|(_, matches)| flags::layers(matches)).unwrap_or_default();
+        cli.layers = matches.subcommand().map(|(name, matches)| flags::layers(name, matches)).unwrap_or_default();
         Ok(cli)
     }
 }

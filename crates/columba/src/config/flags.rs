@@ -355,17 +355,16 @@ fn set() -> Arg {
 }
 
 /// What a subcommand's arguments lay over the scenario, the lowest layer first.
-pub fn layers(matches: &ArgMatches) -> Vec<Layer> {
+pub fn layers(command: &str, matches: &ArgMatches) -> Vec<Layer> {
     let settings = matches.try_get_many::<String>("set").ok().flatten().into_iter().flatten();
     let settings = settings.filter_map(|text| setting(text).ok());
-    // Two rows of one name are flags of different subcommands.
+    // A flag of the same name may mean something else to another subcommand, as --out of a comparison.
     let given = |flag: &&Flag| {
-        matches.try_contains_id(flag.name).unwrap_or(false)
+        flag.commands.contains(&command)
+            && matches.try_contains_id(flag.name).unwrap_or(false)
             && matches.value_source(flag.name) == Some(ValueSource::CommandLine)
     };
-    let mut flags: Vec<&Flag> = FLAGS.iter().filter(given).collect();
-    flags.dedup_by_key(|flag| flag.name);
-    settings.chain(flags.into_iter().flat_map(|flag| flag.layers(matches))).collect()
+    settings.chain(FLAGS.iter().filter(given).flat_map(|flag| flag.layers(matches))).collect()
 }
 
 /// The flag that sets a key, for messages.
@@ -475,6 +474,17 @@ mod tests {
     use super::*;
 
     const MANUAL: &str = include_str!("../../../../docs/scenario.md");
+
+    #[test]
+    fn the_folder_of_a_comparison_is_no_layer_of_its_flights() {
+        let layers = |line: &str| {
+            let words = line.split(' ').map(std::ffi::OsString::from);
+            crate::args::Cli::read(words).unwrap().layers.iter().map(Layer::toml).collect::<String>()
+        };
+        assert!(layers("columba run --out here").contains("output.folder"));
+        assert_eq!(layers("columba compare --out here"), "");
+        assert!(layers("columba compare --out here --set law.formation_gain=0.21").contains("formation_gain"));
+    }
 
     /// A flag whose key is none would be refused by every scenario.
     #[test]
