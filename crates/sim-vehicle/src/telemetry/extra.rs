@@ -93,20 +93,15 @@ impl Instruments<'_> {
 
     /// The same in ArduPilot's own dialect.
     pub(super) fn extra_of_ardupilot(&self, stream: Stream) -> Option<ArduPilotMessage> {
-        let attitude_rad = self.attitude_rad();
-        let (latitude_e7, longitude_e7) = e7(&self.place());
+        // Every stream that is due comes by here: nothing is computed before the stream is known to be one of these.
+        let place_e7 = || <[i32; 2]>::from(e7(&self.place()));
         Some(match stream {
             Stream::Meminfo => ardupilot::meminfo(),
             Stream::Ahrs => ardupilot::ahrs(),
-            Stream::Ahrs2 => ardupilot::ahrs2(attitude_rad, self.place().altitude_amsl_m, [latitude_e7, longitude_e7]),
+            Stream::Ahrs2 => ardupilot::ahrs2(self.attitude_rad(), self.place().altitude_amsl_m, place_e7()),
             Stream::SimulatedState => {
                 let readings = self.readings();
-                ardupilot::simstate(
-                    attitude_rad,
-                    readings.force_mps2,
-                    readings.rates_radps,
-                    [latitude_e7, longitude_e7],
-                )
+                ardupilot::simstate(self.attitude_rad(), readings.force_mps2, readings.rates_radps, place_e7())
             }
             Stream::Hwstatus => ardupilot::hwstatus(BOARD_MV),
             Stream::AoaSsa => ardupilot::aoa_ssa(self.time, [0.0, 0.0]),
