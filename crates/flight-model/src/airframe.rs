@@ -25,8 +25,8 @@ impl Airframe {
     /// The plane of ArduPilot's SITL with its default parameters: 10 to 30 m/s, cruise 22 m/s, banks of 65 degrees.
     ///
     /// The time constants were fitted to the steps of an ArduPlane 4.7 in GUIDED (course 10 and 45 degrees, speed 2
-    /// m/s, altitude 10 m). Two things Eq. 1 does not show: its speed loop overshoots, and its climb rate builds up over
-    /// seconds, so that it ends a climb of 50 m three seconds later.
+    /// m/s, altitude 10 m). Two things Eq. 1 does not show: its speed loop overshoots, and its climb rate builds up
+    /// over seconds, so that it ends a climb of 50 m three seconds later.
     pub fn plane() -> Self {
         Self {
             dynamics: Dynamics {
