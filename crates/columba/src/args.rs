@@ -204,7 +204,7 @@ pub struct CompareArgs {
     /// the one that the others are tested against.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = algorithm())]
     pub optimizers: Option<Vec<Algorithm>>,
-    /// File of [[contender]] tables (TOML); they follow the optimisers, which are then none by default.
+    /// File of contenders (TOML, docs/compare.md); they follow the optimisers, which are then none by default.
     #[arg(long, value_name = "FILE")]
     pub contenders: Option<PathBuf>,
     /// Seeds: how many (100 is 1 to 100), a range with both ends (101..200), or a list of these (7..7,20..29).
