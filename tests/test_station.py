@@ -110,8 +110,8 @@ def told(run, text):
 )
 def test_from_the_ground_to_a_loiter(start_fly, start_vehicles, field, personality, flies, left):
     port, scenario = free_port(), field()
-    start_vehicles(scenario, "--on-ground", "--personality", personality, "--speed", 10, ground_port=port)
-    run = start_fly(scenario, "--speed", 10, "--link", f"udpin:127.0.0.1:{port}").end()
+    start_vehicles(scenario, "--on-ground", "--personality", personality, "--speed", 5, ground_port=port)
+    run = start_fly(scenario, "--speed", 5, "--link", f"udpin:127.0.0.1:{port}").end()
     assert run.status == 0, run.errors
     summary = run.summary
     assert summary["success"] and summary["completed"] and summary["duration_s"] == 15.0

@@ -22,8 +22,8 @@ def test_in_lockstep_through_a_proxy_the_flight_is_that_of_a_run(fly, flown, sta
 
 def test_in_real_time_the_flock_flies_what_the_controller_says(fly, start_vehicles):
     ground_port = free_port()
-    start_vehicles("--speed", 10, ground_port=ground_port)
-    run = fly("fly", "--speed", 10, "--duration", 10, "--ground-port", ground_port)
+    start_vehicles("--speed", 5, ground_port=ground_port)
+    run = fly("fly", "--speed", 5, "--duration", 10, "--ground-port", ground_port)
     assert run.status == 0, run.errors
     summary = run.summary
     assert (summary["transport"], summary["duration_s"]) == ("real-time", 10)
