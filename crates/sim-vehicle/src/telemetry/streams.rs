@@ -178,15 +178,20 @@ pub(crate) mod groups {
 pub(crate) struct Schedule {
     interval: [Option<Duration>; Stream::COUNT],
     due: [Duration; Stream::COUNT],
+    /// The streams that are on: most are off, and are not looked at.
+    on: Vec<Stream>,
     next: Duration,
 }
+
+// What is due fits into the bits of one number.
+const _: () = assert!(Stream::COUNT <= 128);
 
 impl Schedule {
     pub fn new(rates: &TelemetryRates, rules: &Rules, time: Duration) -> Self {
         let interval = Stream::ALL.map(|stream| stream.default_interval(rates, rules));
         let due = interval.map(|interval| next_multiple(interval, time));
-        let mut schedule = Self { interval, due, next: Duration::MAX };
-        schedule.find_next();
+        let mut schedule = Self { interval, due, on: Vec::new(), next: Duration::MAX };
+        schedule.find_on();
         schedule
     }
 
@@ -205,26 +210,37 @@ impl Schedule {
         let index = stream as usize;
         self.interval[index] = interval;
         self.due[index] = next_multiple(interval, time);
-        self.find_next();
+        self.find_on();
     }
 
     /// Takes what is due at `time`, in the order of [`Stream::ALL`].
     pub fn take_due(&mut self, time: Duration) -> impl Iterator<Item = Stream> + use<> {
-        let mut taken = [false; Stream::COUNT];
+        let mut taken: u128 = 0;
         if self.next <= time {
-            for (index, due) in self.due.iter_mut().enumerate() {
-                if *due <= time {
-                    taken[index] = true;
-                    *due = next_multiple(self.interval[index], time);
+            for stream in &self.on {
+                let index = *stream as usize;
+                if self.due[index] <= time {
+                    taken |= 1 << index;
+                    self.due[index] = next_multiple(self.interval[index], time);
                 }
             }
             self.find_next();
         }
-        Stream::ALL.into_iter().filter(move |stream| taken[*stream as usize])
+        std::iter::from_fn(move || {
+            let index = (taken != 0).then(|| taken.trailing_zeros() as usize)?;
+            taken &= taken - 1;
+            Some(Stream::ALL[index])
+        })
+    }
+
+    fn find_on(&mut self) {
+        self.on.clear();
+        self.on.extend(Stream::ALL.into_iter().filter(|stream| self.due[*stream as usize] < Duration::MAX));
+        self.find_next();
     }
 
     fn find_next(&mut self) {
-        self.next = self.due.into_iter().min().unwrap_or(Duration::MAX);
+        self.next = self.on.iter().map(|stream| self.due[*stream as usize]).min().unwrap_or(Duration::MAX);
     }
 }
 
