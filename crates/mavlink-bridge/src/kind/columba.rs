@@ -2,11 +2,9 @@
 //! message for speed, course and altitude in GUIDED, take-off and landing by commands.
 
 use super::commands::{arm, command_long, set_mode};
-use super::{Launch, Seen, Situation, arduplane, local_m};
-use crate::dialect::{MavCmd, Message};
-use crate::setpoint::{finite_f32, local_ned_setpoint};
-use crate::{SetpointError, Target};
-use flight_model::Setpoint;
+use super::{Launch, Seen, arduplane};
+use crate::Target;
+use crate::dialect::MavCmd;
 
 const RTL: u32 = 11;
 const LOITER: u32 = 12;
@@ -33,15 +31,4 @@ pub(super) fn launch(target: Target, seen: &Seen, height_m: f64) -> Launch {
         return Launch::Wait;
     }
     Launch::Send(set_mode(target, arduplane::GUIDED))
-}
-
-pub(super) fn setpoint(
-    target: Target,
-    setpoint: &Setpoint,
-    situation: &Situation<'_>,
-) -> Result<Vec<Message>, SetpointError> {
-    let altitude_m = local_m(setpoint.altitude_m, situation)?;
-    finite_f32(setpoint.speed_mps)?;
-    finite_f32(altitude_m)?;
-    Ok(vec![local_ned_setpoint(situation.now, target, &Setpoint { altitude_m, ..*setpoint })])
 }

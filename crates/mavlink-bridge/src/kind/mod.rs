@@ -18,6 +18,7 @@ mod px4_multicopter;
 pub use commands::{arm, command_int, command_long, request_message, set_message_interval};
 
 use crate::dialect::{MavAutopilot, MavType, Message};
+use crate::setpoint::{finite_f32, local_ned_setpoint};
 use crate::{SetpointError, Target};
 use flight_model::{Geodetic, Limits, LocalFrame, Setpoint, State};
 use std::time::Duration;
@@ -324,9 +325,9 @@ impl Driver {
         match self.kind {
             AutopilotKind::ArduPlane => arduplane::setpoint(target, setpoint, situation),
             AutopilotKind::ArduCopter => arducopter::setpoint(target, setpoint, situation),
-            AutopilotKind::Px4Multicopter => px4_multicopter::setpoint(target, setpoint, situation),
+            AutopilotKind::Px4Multicopter => local_ned(target, setpoint, situation),
             AutopilotKind::Px4FixedWing => px4_fixed_wing::setpoint(target, setpoint, situation, self.version),
-            AutopilotKind::Columba => columba::setpoint(target, setpoint, situation),
+            AutopilotKind::Columba => local_ned(target, setpoint, situation),
         }
     }
 
@@ -370,6 +371,15 @@ impl Driver {
 /// An altitude of the scenario's frame, above mean sea level, m.
 fn amsl_m(altitude_m: f64, situation: &Situation<'_>) -> f64 {
     situation.frame.origin().altitude_amsl_m + altitude_m
+}
+
+/// SET_POSITION_TARGET_LOCAL_NED with velocity and altitude (mask 0xDE3), in the vehicle's own frame: for the kinds
+/// that follow one message for speed, course and altitude.
+fn local_ned(target: Target, setpoint: &Setpoint, situation: &Situation<'_>) -> Result<Vec<Message>, SetpointError> {
+    let altitude_m = local_m(setpoint.altitude_m, situation)?;
+    finite_f32(setpoint.speed_mps)?;
+    finite_f32(altitude_m)?;
+    Ok(vec![local_ned_setpoint(situation.now, target, &Setpoint { altitude_m, ..*setpoint })])
 }
 
 /// An altitude of the scenario's frame above the vehicle's own local origin, m.

@@ -6,11 +6,8 @@
 //! a word.
 
 use super::commands::{arm, set_px4_mode};
-use super::{Launch, Parameters, Seen, Situation, VehicleLimits, local_m};
-use crate::dialect::Message;
-use crate::setpoint::{finite_f32, local_ned_setpoint};
-use crate::{SetpointError, Target};
-use flight_model::Setpoint;
+use super::{Launch, Parameters, Seen, VehicleLimits};
+use crate::Target;
 
 /// HEARTBEAT.custom_mode: main mode in bits 16 to 23, sub mode above (`px4_custom_mode.h`).
 pub(super) const OFFBOARD: u32 = 6 << 16;
@@ -72,17 +69,6 @@ pub(super) fn take_off(target: Target, seen: &Seen) -> Launch {
         (true, true) if seen.custom_mode != TAKEOFF => Launch::Send(set_px4_mode(target, TAKEOFF)),
         (true, _) => Launch::Wait,
     }
-}
-
-pub(super) fn setpoint(
-    target: Target,
-    setpoint: &Setpoint,
-    situation: &Situation<'_>,
-) -> Result<Vec<Message>, SetpointError> {
-    let altitude_m = local_m(setpoint.altitude_m, situation)?;
-    finite_f32(setpoint.speed_mps)?;
-    finite_f32(altitude_m)?;
-    Ok(vec![local_ned_setpoint(situation.now, target, &Setpoint { altitude_m, ..*setpoint })])
 }
 
 pub(super) fn limits(parameters: Parameters<'_>) -> VehicleLimits {

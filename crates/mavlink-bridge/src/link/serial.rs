@@ -1,6 +1,6 @@
 //! Serial lines: radios and cables. A port that goes away, as a USB cable does, is opened again when it is back.
 
-use super::shell::{Arrival, Events, LinkEvent, Peer, RETRY, Send};
+use super::shell::{Arrival, Events, LinkEvent, Peer, Send, wait_to_retry};
 use serial2_tokio::SerialPort;
 use std::time::Instant;
 use tokio::sync::mpsc;
@@ -20,19 +20,8 @@ pub(super) async fn run(link: usize, device: String, baud: u32, mut taker: mpsc:
             }
             Err(error) => error.to_string(),
         };
-        if told.as_ref() != Some(&reason) {
-            if tell.send(LinkEvent::Down(link, reason.clone())).is_err() {
-                return;
-            }
-            told = Some(reason);
-        }
-        let again = tokio::time::sleep(RETRY);
-        tokio::pin!(again);
-        loop {
-            tokio::select! {
-                () = &mut again => break,
-                wanted = taker.recv() => if wanted.is_none() { return },
-            }
+        if !wait_to_retry(link, reason, &mut told, &mut taker, &tell).await {
+            return;
         }
     }
 }

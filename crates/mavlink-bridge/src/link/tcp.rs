@@ -1,6 +1,6 @@
 //! TCP: a connection that is made again whenever it breaks, or a port where others connect.
 
-use super::shell::{Arrival, Events, LinkEvent, LinkSpec, OpenError, Peer, RETRY, Send, resolve};
+use super::shell::{Arrival, Events, LinkEvent, LinkSpec, OpenError, Peer, RETRY, Send, resolve, wait_to_retry};
 use super::{Connection, HostPort};
 use std::collections::HashMap;
 use std::io;
@@ -38,20 +38,8 @@ pub(super) async fn connect(link: usize, address: HostPort, mut taker: mpsc::Rec
             }
             Err(reason) => reason,
         };
-        if told.as_ref() != Some(&reason) {
-            if tell.send(LinkEvent::Down(link, reason.clone())).is_err() {
-                return;
-            }
-            told = Some(reason);
-        }
-        // What was to be sent meanwhile is out of date when the connection is back.
-        let again = tokio::time::sleep(RETRY);
-        tokio::pin!(again);
-        loop {
-            tokio::select! {
-                () = &mut again => break,
-                wanted = taker.recv() => if wanted.is_none() { return },
-            }
+        if !wait_to_retry(link, reason, &mut told, &mut taker, &tell).await {
+            return;
         }
     }
 }
