@@ -299,9 +299,10 @@ impl Fly {
                 if let Some(mode) = driver.end_mode(AtEnd::Loiter) {
                     let message = driver.set_mode(vehicle.target, mode);
                     station.order(index, "hold", message, now);
+                    station.vehicles[index].was_told_to_hold(now);
                 }
             } else if vehicle.is_ours() && !vehicle.entered && !self.paused && !vehicle.on_ground() {
-                if vehicle.follows() {
+                if vehicle.follows_for_good() {
                     station.vehicles[index].entered = true;
                 } else {
                     station.order(index, "take over", driver.take_over(vehicle.target), now);
@@ -316,7 +317,7 @@ impl Fly {
         for index in station.crew() {
             let vehicle = &station.vehicles[index];
             let Some(driver) = vehicle.driver().cloned().filter(|_| vehicle.is_ours()) else { continue };
-            if !vehicle.follows() {
+            if !vehicle.follows_for_good() {
                 all = false;
                 if let Some(state) = station.state_now(index, now).filter(|_| driver.repeat_every().is_some()) {
                     station.steer(index, &state.hold(), now);
