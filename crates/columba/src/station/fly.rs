@@ -97,15 +97,13 @@ impl Fly {
         self.judge.recent_m()
     }
 
-    /// Whether the operator has paused it.
+    /// Whether the operator has paused it, and not all vehicles follow again.
     pub fn is_paused(&self) -> bool {
-        self.paused
+        self.paused || self.resuming
     }
 
     pub(super) fn step(mut self: Box<Self>, station: &mut Station, now: Duration) -> Phase {
-        if !self.paused && !self.resuming {
-            station.watch_modes(now);
-        }
+        station.watch_modes(self.is_paused(), now);
         self.obey(station, now);
         let is_over = self.tick >= station.scenario.ticks() && now >= self.next;
         let nobody = station.crew().all(|index| !station.vehicles[index].is_ours());

@@ -8,7 +8,7 @@ use mavlink_bridge::dialect::{
     GPS_GLOBAL_ORIGIN_DATA, HEARTBEAT_DATA, HOME_POSITION_DATA, LOCAL_POSITION_NED_DATA, MavLandedState, MavModeFlag,
     MavState, MavSysStatusSensor, Message, PARAM_VALUE_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
 };
-use mavlink_bridge::kind::{AutopilotKind, Driver, Seen, SoftwareVersion, UnflyableKind, VehicleLimits};
+use mavlink_bridge::kind::{AtEnd, AutopilotKind, Driver, Seen, SoftwareVersion, UnflyableKind, VehicleLimits};
 use mavlink_bridge::link::{Peer, VehicleClock};
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -199,6 +199,11 @@ impl Vehicle {
     /// Whether it is in the mode in which it follows setpoints.
     pub fn follows(&self) -> bool {
         self.driver().is_some_and(|driver| driver.follows_setpoints(self.custom_mode))
+    }
+
+    /// Whether it is in the mode in which it holds where it is.
+    pub fn holds(&self) -> bool {
+        self.driver().is_some_and(|driver| driver.end_mode(AtEnd::Loiter) == Some(self.custom_mode))
     }
 
     /// Notes that it was told to hold.
