@@ -27,7 +27,7 @@ pub struct News {
 const EVENTS_MAX: usize = 100_000;
 
 impl Feed {
-    /// Changes the frame. Never waits: while the page's thread copies the frame, which takes it microseconds, nothing is
+    /// Changes the frame. Never waits: while the page's thread copies the frame, which takes microseconds, nothing is
     /// changed and this gives false. The next change a moment later will do.
     pub fn update(&self, change: impl FnOnce(&mut Frame)) -> bool {
         match self.0.frame.try_lock() {

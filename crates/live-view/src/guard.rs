@@ -1,6 +1,6 @@
-//! Who is let in. The server listens on loopback, and still any page that the user has open could reach it: by a request
-//! across sites, or by a name that is made to point here (DNS rebinding). Both are refused by their headers. Commands
-//! need the token of the printed address besides.
+//! Who is let in. The server listens on loopback, and still any page that the user has open could reach it: by a
+//! request across sites, or by a name that is made to point here (DNS rebinding). Both are refused by their headers.
+//! Commands need the token of the printed address besides.
 
 use axum::http::{HeaderMap, header};
 use serde::Serialize;

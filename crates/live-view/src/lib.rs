@@ -1,9 +1,9 @@
 //! A page in the browser that shows a flock while it flies, and takes the operator's words.
 //!
-//! A program that flies something starts a [`LiveView`] and tells its [`Feed`] where the vehicles are. The page's server
-//! has a thread of its own: it looks at the feed ten times a second, measures distances, raises alarms, and sends each
-//! browser a binary frame. Nothing here can slow the flight: [`Feed::update`] never waits, and a browser that does not
-//! read loses frames.
+//! A program that flies something starts a [`LiveView`] and tells its [`Feed`] where the vehicles are. The page's
+//! server has a thread of its own: it looks at the feed ten times a second, measures distances, raises alarms, and
+//! sends each browser a binary frame. Nothing here can slow the flight: [`Feed::update`] never waits, and a browser
+//! that does not read loses frames.
 //!
 //! ```
 //! use live_view::{LiveView, Scene, Settings, VehicleNow};

@@ -1,7 +1,7 @@
 //! A frame in bytes, as the page reads it (`assets/wire.js`).
 //!
-//! Little-endian. A header of [`HEADER`] bytes, then a column for each quantity, first those of two bytes, then those of
-//! one:
+//! Little-endian. A header of [`HEADER`] bytes, then a column for each quantity, first those of two bytes, then those
+//! of one:
 //!
 //! | offset | type | what |
 //! |---|---|---|
