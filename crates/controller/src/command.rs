@@ -59,8 +59,9 @@ impl Commander {
 
     /// Speed setpoint (m/s) and course change (rad) for a horizontal demand (m/s2), first two lines of Eq. 2.
     ///
-    /// The course line uses tau_V as printed, or tau_phi (reading 4). The demand is bounded to the speeds of the vehicle and to the
-    /// course change whose turn rate it can fly (reading 7), so prediction and vehicle never meet their limits.
+    /// The course line uses tau_V as printed, or tau_phi (reading 4). The demand is bounded to the speeds of the
+    /// vehicle and to the course change whose turn rate it can fly (reading 7), so prediction and vehicle never meet
+    /// their limits.
     pub fn horizontal(&self, demand_mps2: Vector2<f64>, speed_mps: f64, heading: Vector2<f64>) -> (f64, f64) {
         let along_mps2 = demand_mps2.dot(&heading);
         let across_mps2 = heading.perp(&demand_mps2);
