@@ -333,7 +333,8 @@ impl Fly {
 /// What the flock is to know, with the limits that the vehicles allow.
 fn settings(station: &Station) -> FlockSettings {
     let settings = station.scenario.flock_settings();
-    FlockSettings { dynamics: Dynamics { limits: station.limits, ..settings.dynamics }, ..settings }
+    let limited = |dynamics: &Dynamics| Dynamics { limits: station.limits, ..*dynamics };
+    FlockSettings { dynamics: settings.dynamics.iter().map(limited).collect(), ..settings }
 }
 
 /// Vehicles in the air that are no members, as circles that the flock keeps out of: along their way over the look-ahead
