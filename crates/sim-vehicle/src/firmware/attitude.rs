@@ -8,8 +8,8 @@ pub(super) struct Euler {
 }
 
 impl Euler {
-    /// Of a quaternion, w first, of any length, as ArduPilot and PX4 read it: one of zeros is level. None where a part is
-    /// no finite number.
+    /// Of a quaternion, w first, of any length, as ArduPilot and PX4 read it: one of zeros is level. None where a part
+    /// is no finite number.
     pub fn of(q: [f32; 4]) -> Option<Self> {
         if !q.iter().all(|part| part.is_finite()) {
             return None;

@@ -189,8 +189,8 @@ impl Instruments<'_> {
         })
     }
 
-    /// What it steers for: the bank of the turn that it flies, level, on the course that it steers for, or what somebody
-    /// else has set of them.
+    /// What it steers for: the bank of the turn that it flies, level, on the course that it steers for, or what
+    /// somebody else has set of them.
     fn attitude_target(&self) -> Message {
         let aim = self.flight.aim();
         let [roll_rad, set_rad] = self.flight.roll_and_pitch_rad();
