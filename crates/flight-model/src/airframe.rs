@@ -1,6 +1,6 @@
 //! Airframes: what a vehicle of a kind can do, as constants of the flight model.
 
-use crate::{Dynamics, Limits, TimeConstants};
+use crate::{Dynamics, Limits, Response, TimeConstants};
 
 /// A kind of vehicle: how it flies, and how fast and how tightly it flies by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +39,7 @@ impl Airframe {
                     lateral_overload_max: overload_at_bank_deg(65.0),
                     gravity_mps2: GRAVITY_MPS2,
                 },
+                response: Response::default(),
             },
             cruise_speed_mps: 22.0,
             loiter_radius_m: 80.0,
@@ -61,6 +62,7 @@ impl Airframe {
                     lateral_overload_max: overload_at_bank_deg(50.0),
                     gravity_mps2: GRAVITY_MPS2,
                 },
+                response: Response::default(),
             },
             cruise_speed_mps: 15.0,
             loiter_radius_m: 80.0,

@@ -8,8 +8,12 @@ use crate::{Dynamics, Limits, Setpoint, State, course_vector, wrap_pi};
 /// the exact solution of Eq. 1 there; the position integrates the exact velocity with Simpson's rule (its error over a
 /// step of h is of order h^5: below 1e-10 m at 10 ms). Where a limit acts the step is first order in the moment at
 /// which it begins to act.
+///
+/// Of [`Response`](crate::Response) it flies the gain of speed and the growth of the course loop's time constant. Dead
+/// times are the caller's: a step knows only the setpoint that acts in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Autopilot {
+    dynamics: Dynamics,
     limits: Limits,
     step_s: f64,
     course_time_constant_s: f64,
@@ -26,6 +30,7 @@ impl Autopilot {
         let tau = dynamics.time_constants;
         let decay = |tau_s: f64| [libm::exp(-0.5 * step_s / tau_s), libm::exp(-step_s / tau_s)];
         Self {
+            dynamics: *dynamics,
             limits: dynamics.limits,
             step_s,
             course_time_constant_s: tau.course_s,
@@ -66,10 +71,11 @@ impl Autopilot {
     fn speeds(&self, state: &State, setpoint: &Setpoint) -> [f64; 2] {
         let least_mps = self.limits.speed_min_mps.min(state.speed_mps);
         let most_mps = self.limits.speed_max_mps.max(state.speed_mps);
+        let asked_mps = setpoint.speed_mps * self.dynamics.response.speed_gain;
         let wanted_mps = if state.speed_mps < self.limits.speed_min_mps || state.speed_mps > self.limits.speed_max_mps {
-            setpoint.speed_mps.clamp(self.limits.speed_min_mps, self.limits.speed_max_mps)
+            asked_mps.clamp(self.limits.speed_min_mps, self.limits.speed_max_mps)
         } else {
-            setpoint.speed_mps
+            asked_mps
         };
         self.speed_decay.map(|decay| {
             let free = wanted_mps + (state.speed_mps - wanted_mps) * decay;
@@ -82,20 +88,30 @@ impl Autopilot {
     fn courses(&self, state: &State, setpoint: &Setpoint, speed_end_mps: f64) -> [f64; 2] {
         let error = wrap_pi(setpoint.course_rad - state.course_rad);
         let rate_max = self.limits.turn_rate_max_radps(state.speed_mps.max(speed_end_mps));
-        let error_at_limit = rate_max * self.course_time_constant_s;
+        let (course_time_constant_s, course_decay) = self.course_loop(state.speed_mps);
+        let error_at_limit = rate_max * course_time_constant_s;
         if error.abs() <= error_at_limit {
-            return self.course_decay.map(|decay| state.course_rad + error * (1.0 - decay));
+            return course_decay.map(|decay| state.course_rad + error * (1.0 - decay));
         }
         let ramp_s = (error.abs() - error_at_limit) / rate_max;
         [0.5 * self.step_s, self.step_s].map(|time_s| {
             let turned = if time_s <= ramp_s {
                 rate_max * time_s
             } else {
-                let decay = libm::exp(-(time_s - ramp_s) / self.course_time_constant_s);
+                let decay = libm::exp(-(time_s - ramp_s) / course_time_constant_s);
                 error.abs() - error_at_limit * decay
             };
             state.course_rad + turned.copysign(error)
         })
+    }
+
+    /// The course loop's time constant, s, and what is left of an error after half a step and a whole one.
+    fn course_loop(&self, speed_mps: f64) -> (f64, [f64; 2]) {
+        if self.dynamics.response.course_reference_speed_mps.is_none() {
+            return (self.course_time_constant_s, self.course_decay);
+        }
+        let tau_s = self.dynamics.course_time_constant_s(speed_mps);
+        (tau_s, [0.5, 1.0].map(|part| libm::exp(-part * self.step_s / tau_s)))
     }
 
     /// Altitude and climb at the end of the step: second order, the climb clamped to [eta_min, eta_max].
@@ -177,6 +193,28 @@ mod tests {
         assert!((states[100].course_rad - 0.5).abs() < 1e-9);
         let closed_form = 1.0 - 0.375 * libm::exp(-(3.0 - 1.25) / 0.75);
         assert!((states[300].course_rad - closed_form).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_speed_gain_scales_what_is_asked() {
+        let mut dynamics = Dynamics::default();
+        dynamics.response.speed_gain = 1.1;
+        let autopilot = Autopilot::new(&dynamics, 0.5);
+        let after = autopilot.step(&cruise(), &Setpoint { speed_mps: 10.0, ..cruise().hold() });
+        assert!((after.speed_mps - (11.0 - libm::exp(-0.5))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_course_loop_that_grows_with_speed_has_its_time_constant_at_its_reference() {
+        let turned_rad = |reference_mps: Option<f64>, speed_mps: f64| {
+            let mut dynamics = Dynamics::default();
+            dynamics.response.course_reference_speed_mps = reference_mps;
+            let start = State { speed_mps, ..cruise() };
+            let setpoint = Setpoint { course_rad: 0.2, ..start.hold() };
+            Autopilot::new(&dynamics, 0.5).step(&start, &setpoint).course_rad
+        };
+        assert!((turned_rad(Some(10.0), 10.0) - turned_rad(None, 10.0)).abs() < 1e-15);
+        assert!((turned_rad(Some(10.0), 15.0) - 0.2 * (1.0 - libm::exp(-0.5 / (1.5 * 0.75)))).abs() < 1e-12);
     }
 
     #[test]

@@ -32,6 +32,22 @@ pub struct Limits {
     pub gravity_mps2: f64,
 }
 
+/// How a real autopilot differs from Eq. 1. The defaults are Eq. 1 as printed, to the last bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response {
+    /// Ground speed that the speed loop settles on, as a share of its setpoint.
+    pub speed_gain: f64,
+    /// A new speed setpoint acts after this, s.
+    pub speed_dead_time_s: f64,
+    /// A new course setpoint acts after this, s.
+    pub course_dead_time_s: f64,
+    /// A new altitude setpoint acts after this, s.
+    pub altitude_dead_time_s: f64,
+    /// The course loop's time constant is that of [`TimeConstants`] at this speed, m/s, and grows in proportion to
+    /// speed; none: the same at every speed.
+    pub course_reference_speed_mps: Option<f64>,
+}
+
 /// All that distinguishes one vehicle's dynamics from another's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dynamics {
@@ -39,12 +55,27 @@ pub struct Dynamics {
     pub time_constants: TimeConstants,
     /// Limits of Eq. 3.
     pub limits: Limits,
+    /// What Eq. 1 leaves out.
+    pub response: Response,
 }
 
 impl Default for TimeConstants {
     /// Section 4 of the paper.
     fn default() -> Self {
         Self { speed_s: 1.0, course_s: 0.75, altitude_a_s: 1.0 / 3.0, altitude_b_s: 3.0 }
+    }
+}
+
+impl Default for Response {
+    /// Eq. 1 as printed.
+    fn default() -> Self {
+        Self {
+            speed_gain: 1.0,
+            speed_dead_time_s: 0.0,
+            course_dead_time_s: 0.0,
+            altitude_dead_time_s: 0.0,
+            course_reference_speed_mps: None,
+        }
     }
 }
 
@@ -78,10 +109,38 @@ impl TimeConstants {
     }
 }
 
-impl Dynamics {
+impl Response {
     /// Every constant that is out of its range, by the name that a scenario file gives it.
     pub fn check(&self) -> Vec<RangeError> {
-        let Self { time_constants, limits } = self;
+        let mut ranges = Ranges::default();
+        ranges.within("speed_gain", self.speed_gain, 0.2, 5.0);
+        for (name, value) in [
+            ("speed_dead_time_s", self.speed_dead_time_s),
+            ("course_dead_time_s", self.course_dead_time_s),
+            ("altitude_dead_time_s", self.altitude_dead_time_s),
+        ] {
+            ranges.within(name, value, 0.0, 10.0);
+        }
+        if let Some(speed_mps) = self.course_reference_speed_mps {
+            ranges.within("course_reference_speed_mps", speed_mps, 0.1, 300.0);
+        }
+        ranges.errors()
+    }
+}
+
+impl Dynamics {
+    /// Time constant of the course loop at a speed, s.
+    pub fn course_time_constant_s(&self, speed_mps: f64) -> f64 {
+        match self.response.course_reference_speed_mps {
+            // Near standstill a loop that turns at once would leave no time to integrate it in.
+            Some(reference_mps) => self.time_constants.course_s * (speed_mps / reference_mps).max(0.1),
+            None => self.time_constants.course_s,
+        }
+    }
+
+    /// Every constant that is out of its range, by the name that a scenario file gives it.
+    pub fn check(&self) -> Vec<RangeError> {
+        let Self { time_constants, limits, response } = self;
         let mut ranges = Ranges::default();
         ranges.extend(time_constants.check());
         ranges.within("speed_min_mps", limits.speed_min_mps, 0.1, 300.0);
@@ -90,6 +149,7 @@ impl Dynamics {
         ranges.within("climb_max_mps", limits.climb_max_mps, 0.1, 100.0);
         ranges.within("lateral_overload_max", limits.lateral_overload_max, 0.1, 20.0);
         ranges.within("gravity_mps2", limits.gravity_mps2, 1.0, 20.0);
+        ranges.extend(response.check());
         ranges.errors()
     }
 }

@@ -31,7 +31,7 @@ pub use airframe::Airframe;
 pub use angle::wrap_pi;
 pub use atmosphere::{air_density_kgpm3, air_pressure_pa, air_temperature_k, mach, speed_of_sound_mps};
 pub use autopilot::Autopilot;
-pub use dynamics::{Dynamics, Limits, TimeConstants};
+pub use dynamics::{Dynamics, Limits, Response, TimeConstants};
 pub use frame::{Geodetic, LocalFrame};
 pub use gusts::Gusts;
 pub use range::{Range, RangeError, Ranges};

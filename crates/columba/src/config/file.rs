@@ -6,7 +6,7 @@ use super::parameters::ParametersTable;
 use super::swarm::Place;
 use crate::flying::GroundSettings;
 use controller::{LawSettings, LookAheadSettings, WeightSettings};
-use flight_model::{Dynamics, Limits, RangeError, TimeConstants};
+use flight_model::{Dynamics, Limits, RangeError, Response, TimeConstants};
 use mavlink_bridge::{ImpairmentSettings, MulticastScope};
 use optimizer::OptimizerSettings;
 use serde::de::{Error, Unexpected, Visitor};
@@ -308,7 +308,7 @@ pub struct DynamicsTable {
 
 impl Default for DynamicsTable {
     fn default() -> Self {
-        let flight_model::Dynamics { time_constants, limits } = flight_model::Dynamics::default();
+        let flight_model::Dynamics { time_constants, limits, .. } = flight_model::Dynamics::default();
         Self {
             speed_time_constant_s: time_constants.speed_s,
             course_time_constant_s: time_constants.course_s,
@@ -343,6 +343,7 @@ impl DynamicsTable {
                 lateral_overload_max: self.lateral_overload_max,
                 gravity_mps2: self.gravity_mps2,
             },
+            response: Response::default(),
         }
     }
 }
