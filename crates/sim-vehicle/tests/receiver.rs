@@ -1,5 +1,5 @@
-//! A pilot's channels as other people's scripts use them: the mode switch, reversed channels and those above the eighth,
-//! and what such scripts begin with: all streams at once, and a reboot.
+//! A pilot's channels as other people's scripts use them: the mode switch, reversed channels and those above the
+//! eighth, and what such scripts begin with: all streams at once, and a reboot.
 #![allow(clippy::unwrap_used, deprecated)]
 
 mod common;

@@ -15,8 +15,8 @@ pub(crate) struct ManualControl {
 }
 
 impl Autopilot {
-    /// RC_CHANNELS_OVERRIDE: microseconds for each channel; 0 gives it back, 65535 leaves it. From the ninth on 0 leaves
-    /// it, and 65534 gives it back.
+    /// RC_CHANNELS_OVERRIDE: microseconds for each channel; 0 gives it back, 65535 leaves it. From the ninth on 0
+    /// leaves it, and 65534 gives it back.
     pub(crate) fn override_channels(&mut self, system_id: u8, channels: [u16; CHANNELS]) {
         const FIRST_OF_EXTENSION: usize = 8;
         const GIVE_BACK: u16 = u16::MAX - 1;
