@@ -269,7 +269,7 @@ impl Instruments<'_> {
         // There is no item behind the last one.
         let last = mission.len().saturating_sub(1);
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
-            seq: progress.told().min(last),
+            seq: self.autopilot.told_item().min(last),
             // Home is not counted.
             total: mission.len().saturating_sub(mission.first()),
             mission_state,

@@ -4,7 +4,7 @@ use super::items::{
     CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
     LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAKEOFF, WAYPOINT, has_place,
 };
-use super::legs::{AltitudeEnd, Leg};
+use super::legs::{AltitudeEnd, Leg, is_beyond};
 use super::loiter::{Exit, Goal, Loiter, PX4_ALTITUDE_M, Rules};
 use crate::autopilot::Autopilot;
 use crate::autopilot::event::Event;
@@ -21,6 +21,9 @@ use std::time::Duration;
 /// Most items that are done in one step without any flying between them, more than there are in a mission: jumps may go
 /// round for ever.
 const ITEMS_AT_ONCE_MAX: usize = 1000;
+
+/// The first number of what is not flown: conditions, commands and marks.
+const CONDITIONS_AND_COMMANDS: u16 = 95;
 
 /// Least height above home that is climbed to before a mission without a take-off goes on, m.
 const LEAST_TAKE_OFF_M: f64 = 10.0;
@@ -98,7 +101,11 @@ impl Autopilot {
     /// Says in ArduPlane's words what AUTO has just done.
     fn tell_end_of_leg(&mut self, seq: u16) {
         let text = match self.session.progress.leg {
-            Leg::Place { at, .. } => format!("Reached waypoint #{seq} dist {:.0}m", self.flight.distance_m(at)),
+            Leg::Place { at, radius_m, .. } => {
+                let distance_m = self.flight.distance_m(at);
+                let word = if distance_m <= radius_m { "Reached" } else { "Passed" };
+                format!("{word} waypoint #{seq} dist {distance_m:.0}m")
+            }
             Leg::Circle(loiter) => match loiter.goal {
                 Goal::Turned(_) => "Loiter orbits complete".into(),
                 Goal::Stayed(_) | Goal::AltitudeAndStayed(..) => "Loiter time complete".into(),
@@ -159,10 +166,14 @@ impl Autopilot {
                 let from = self.session.progress.from().unwrap_or_else(|| self.flight.here());
                 let passes_by = self.loiter_rules() == Rules::ArduPlane;
                 let at = if passes_by { beyond(from, at, p3.clamp(0.0, 255.0)) } else { at };
-                self.flight.fly_leg(from, at);
+                self.flight.fly_leg(from, at, !self.rules.passes_waypoints);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
-                Leg::Place { at, radius_m, nearest_m: f64::INFINITY }
+                // Past it already, it comes from where it is.
+                let here = self.flight.here();
+                let abeam_from = if is_beyond(here, from, at) { here } else { from };
+                let abeam_from = self.rules.passes_waypoints.then_some(abeam_from);
+                Leg::Place { at, radius_m, nearest_m: f64::INFINITY, abeam_from }
             }
             LOITER_UNLIM => {
                 self.flight.circle_at(at, or_usual(p3));
@@ -304,7 +315,7 @@ impl Autopilot {
             match item.command {
                 JUMP if self.would_jump(at, item) => at = (item.params[0] as u16).saturating_sub(1),
                 // Jumps, conditions and commands have higher numbers than what is flown.
-                0..95 => {
+                0..CONDITIONS_AND_COMMANDS => {
                     let is_placed = has_place(item.command) && !item.position().is_zero();
                     return is_placed.then(|| self.reference().place_of(item, self.flight.here()));
                 }
@@ -312,6 +323,26 @@ impl Autopilot {
             }
         }
         None
+    }
+
+    /// The item that is told as the current one: of an ArduPlane that does not fly its mission, the one that will be flown
+    /// next, beyond marks and jumps.
+    pub(crate) fn told_item(&self) -> u16 {
+        let told = self.session.progress.told();
+        let is_flown = self.mode() == Mode::Auto && self.flight.is_armed();
+        if !self.rules.has_ardupilot_commands || is_flown || told < self.mission.first() {
+            return told;
+        }
+        let mut at = told;
+        for _ in 0..self.mission.len() {
+            match self.mission.get(at) {
+                Some(item) if item.command == JUMP && self.would_jump(at, item) => at = item.params[0] as u16,
+                Some(item) if item.command >= CONDITIONS_AND_COMMANDS => at += 1,
+                Some(_) => return at,
+                None => return told,
+            }
+        }
+        told
     }
 
     fn would_jump(&self, seq: u16, item: &PlanItem) -> bool {
