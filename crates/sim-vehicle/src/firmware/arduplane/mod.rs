@@ -42,6 +42,7 @@ pub(super) const RULES: Rules = Rules {
     fence_forbids_arming: true,
     fence_action,
     tells_arming_reason: true,
+    has_mode_switch: true,
     any_ground_station: false,
     watches_streams: false,
 

@@ -48,6 +48,7 @@ pub(super) const RULES: Rules = Rules {
     fence_forbids_arming: false,
     fence_action,
     tells_arming_reason: false,
+    has_mode_switch: false,
     any_ground_station: true,
     watches_streams: true,
 
