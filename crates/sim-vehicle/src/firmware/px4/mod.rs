@@ -53,6 +53,7 @@ pub(super) const RULES: Rules = Rules {
     watches_streams: true,
 
     judges_plans_as_px4: true,
+    transfers_plans_as_px4: true,
     first_mission_item: 0,
     resumes_after_upload: false,
     takes_off_before_mission: true,
@@ -60,8 +61,6 @@ pub(super) const RULES: Rules = Rules {
     nan_params_are_left_out: true,
     stores_turns_in_bytes: false,
     passes_waypoints: false,
-    clears_flown_mission: true,
-    upload_can_be_broken_off: true,
     asks_by_old_message: false,
     tells_paused_mission: true,
     mission_mode_suspended: 2,
