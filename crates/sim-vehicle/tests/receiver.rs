@@ -114,7 +114,8 @@ fn a_function_is_done_by_a_command_too() {
         let frame = common::by_hand(76, 152, &[&payload[..], &[TARGET, 1, 0]].concat());
         let address = client.address;
         client.vehicle.handle(client.vehicle.time(), &frame, address);
-        client.collect();
+        // The acknowledgement has a number that the common dialect does not know.
+        while client.vehicle.poll_transmit().is_some() {}
         client.vehicle.mode()
     };
     assert_eq!(function(56.0, 2.0), Mode::Loiter);
@@ -210,6 +211,7 @@ fn a_reboot_is_counted_and_puts_a_vehicle_that_began_on_the_ground_back() {
 #[test]
 fn a_message_that_is_asked_for_follows_its_acknowledgement() {
     let mut client = Client::new(quiet());
+    client.ask(&mavlink_bridge::telemetry::ground_heartbeat());
     for (command, id) in [(MAV_CMD_REQUEST_MESSAGE, 30), (MAV_CMD_GET_HOME_POSITION, 242)] {
         let heard = client.ask(&common::long(TARGET, command, [id as f32, 0.0, 0.0]));
         let ids: Vec<u32> = heard.iter().map(Message::message_id).collect();

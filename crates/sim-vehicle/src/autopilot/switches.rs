@@ -1,5 +1,5 @@
-//! The switches of a pilot's transmitter: the mode switch, which is the channel FLTMODE_CH with the positions FLTMODE1 to
-//! FLTMODE6, and channels with a function of their own, RC1_OPTION to RC16_OPTION.
+//! The switches of a pilot's transmitter: the mode switch, which is the channel FLTMODE_CH with the positions FLTMODE1
+//! to FLTMODE6, and channels with a function of their own, RC1_OPTION to RC16_OPTION.
 
 use super::Autopilot;
 use super::manual_control::CHANNELS;
@@ -11,7 +11,8 @@ use std::time::Duration;
 
 /// Where the second to the sixth position of the mode switch begin, microseconds (`RC_Channel::read_6pos_switch`).
 const BOUNDS_US: [u16; 5] = [1231, 1361, 1491, 1621, 1750];
-/// Pulses below the first are LOW, above the second HIGH (`RC_Channel::read_3pos_switch`), within the limits of a pulse.
+/// Pulses below the first are LOW, above the second HIGH (`RC_Channel::read_3pos_switch`), within the limits of a
+/// pulse.
 const FUNCTION_BOUNDS_US: [u16; 2] = [1200, 1800];
 const PULSE_US: std::ops::Range<u16> = 801..2200;
 /// How long a switch must stay where it is before it counts.

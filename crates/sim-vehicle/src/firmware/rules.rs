@@ -107,7 +107,7 @@ pub(crate) struct Rules {
     pub nan_params_are_left_out: bool,
     /// Whether NAV_LOITER_TURNS is kept in two bytes, with fewer digits than it came with.
     pub stores_turns_in_bytes: bool,
-    /// Whether a waypoint is over where it is passed abeam, however far away.
+    /// Whether a waypoint without a radius of its own is over where it is passed abeam, however far away.
     pub passes_waypoints: bool,
     /// Whether an acknowledgement of the writer breaks off an upload.
     pub upload_can_be_broken_off: bool,

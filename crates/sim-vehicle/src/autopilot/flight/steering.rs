@@ -85,8 +85,8 @@ impl Flight {
         self.fly_toward(None, place, true);
     }
 
-    /// The same along the line from one place to the other; past it, if need be, where it may not fly away first to have
-    /// room to turn.
+    /// The same along the line from one place to the other; past it, if need be, where it may not fly away first to
+    /// have room to turn.
     pub fn fly_leg(&mut self, from: Vector2<f64>, to: Vector2<f64>, may_fly_away: bool) {
         self.fly_toward(Some(from), to, may_fly_away);
     }

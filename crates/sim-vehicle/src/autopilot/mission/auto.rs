@@ -169,15 +169,17 @@ impl Autopilot {
         self.session.progress.leg = match item.command {
             WAYPOINT => {
                 let from = self.session.progress.from().unwrap_or_else(|| self.flight.here());
+                // Who gives a radius of its own has it flown to until it is reached.
+                let passes = self.rules.passes_waypoints && p2 <= 0.0;
                 let passes_by = self.loiter_rules() == Rules::ArduPlane;
                 let at = if passes_by { beyond(from, at, p3.clamp(0.0, 255.0)) } else { at };
-                self.flight.fly_leg(from, at, !self.rules.passes_waypoints);
+                self.flight.fly_leg(from, at, !passes);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
                 // Past it already, it comes from where it is.
                 let here = self.flight.here();
                 let abeam_from = if is_beyond(here, from, at) { here } else { from };
-                let abeam_from = self.rules.passes_waypoints.then_some(abeam_from);
+                let abeam_from = passes.then_some(abeam_from);
                 Leg::Place { at, radius_m, nearest_m: f64::INFINITY, abeam_from }
             }
             LOITER_UNLIM => {
@@ -330,8 +332,8 @@ impl Autopilot {
         None
     }
 
-    /// The item that is told as the current one: of an ArduPlane that does not fly its mission, the one that will be flown
-    /// next, beyond marks and jumps.
+    /// The item that is told as the current one: of an ArduPlane that does not fly its mission, the one that will be
+    /// flown next, beyond marks and jumps.
     pub(crate) fn told_item(&self) -> u16 {
         let told = self.session.progress.told();
         let is_flown = self.mode() == Mode::Auto && self.flight.is_armed();

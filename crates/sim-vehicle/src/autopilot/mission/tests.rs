@@ -59,15 +59,13 @@ proptest! {
         waypoints in prop::collection::vec(((-1.0..1.0f64, -1.0..1.0f64), 3.0..30.0f32), 10),
         half_width_m in 5.0..400.0f64, speed_mps in 5.0..15.0f64, wind_mps in prop::sample::select(vec![0.0f32, 3.0]),
     ) {
-        // An ArduPlane goes on where it is abeam.
         let mut vehicle = Vehicle::new(VehicleSettings {
-            personality: Personality::Generic,
             default_parameters: vec![("SIM_WIND_SPD".into(), wind_mps)],
             ..settings(false, speed_mps)
         }).unwrap();
         let places: Vec<Place> =
             waypoints.iter().map(|((x, y), _)| (x * half_width_m, y * half_width_m)).collect();
-        let mut items = Vec::new();
+        let mut items = vec![PlanItem::default()];
         let waypoint = |(at, (_, radius_m)): (&Place, &(_, f32))| item(&vehicle, WAYPOINT, *at, 50.0, *radius_m);
         items.extend(places.iter().zip(&waypoints).map(waypoint));
         let seen = fly(&mut vehicle, items, 2_000);
@@ -102,11 +100,14 @@ proptest! {
 #[test]
 fn a_waypoint_that_is_missed_is_passed_by_an_arduplane_and_flown_to_again_by_others() {
     let legs = |personality: Personality| {
-        let mut vehicle = Vehicle::new(VehicleSettings { personality, ..settings(false, 15.0) }).unwrap();
+        // No radius of their own: that of the parameter counts.
+        let default_parameters = vec![("WP_RADIUS".into(), 1.0)];
+        let settings = VehicleSettings { personality, default_parameters, ..settings(false, 15.0) };
+        let mut vehicle = Vehicle::new(settings).unwrap();
         // The second is nearer beside the first than the vehicle can turn.
         let places = [(100.0, 0.0), (100.0, 3.0), (300.0, 100.0)];
         let first = if personality == Personality::ArduPlane { vec![PlanItem::default()] } else { Vec::new() };
-        let waypoints = places.map(|at| item(&vehicle, WAYPOINT, at, 50.0, 1.0));
+        let waypoints = places.map(|at| item(&vehicle, WAYPOINT, at, 50.0, 0.0));
         let seen = fly(&mut vehicle, first.into_iter().chain(waypoints).collect(), 300);
         let second = seen.iter().rev().nth(1).map_or(0, Vec::len);
         (second as f64 / 5.0, nearest_m(&seen.concat(), places[1]))
