@@ -68,7 +68,7 @@ impl Station {
     pub fn watch_answers(&mut self, index: usize, now: Duration) {
         let Some(vehicle) = self.vehicles.get_mut(index) else { return };
         let (mut again, mut refused) = (Vec::new(), None);
-        for purpose in SETPOINT_PURPOSES {
+        for (number, purpose) in SETPOINT_PURPOSES.into_iter().enumerate() {
             let Some(order) = vehicle.orders.get_mut(purpose) else { continue };
             match order.answer.take() {
                 None if order.tries < 3 && now.saturating_sub(order.sent) >= ANSWER_PATIENCE => {
@@ -77,19 +77,20 @@ impl Station {
                 }
                 None => {}
                 Some(answer) => {
+                    // Each kind of command on its own: one that follows the course may refuse every speed.
                     if answer == "ACCEPTED" {
-                        vehicle.refusals = 0;
+                        vehicle.refusals[number] = 0;
                     } else {
-                        refused = Some((name(&order.message), answer));
-                        vehicle.refusals += 1;
+                        vehicle.refusals[number] += 1;
+                        refused = Some((name(&order.message), answer, vehicle.refusals[number]));
                     }
                     vehicle.orders.remove(purpose);
                 }
             }
         }
-        let (target, refusals, mode) = (vehicle.target, vehicle.refusals, vehicle.mode_name());
+        let (target, mode) = (vehicle.target, vehicle.mode_name());
         let words = vehicle.words_since(now.saturating_sub(Duration::from_secs(3))).map(str::to_owned);
-        if let Some((what, answer)) = refused {
+        if let Some((what, answer, refusals)) = refused {
             // Its mode may have changed: the next heartbeat would tell in a while, this one does now.
             again.push(request_message(target, 0));
             if refusals >= REFUSALS_TOLD {
