@@ -2,10 +2,12 @@
 that stalls; a link that loses."""
 
 import signal
+import threading
 import time
 
+import pytest
 from conftest import free_port
-from ground import FAILED
+from ground import ACCEPTED, FAILED, GUIDED
 from pymavlink import mavutil
 from test_station import field, one, start_fly, told  # noqa: F401
 
@@ -36,20 +38,77 @@ def test_one_that_is_not_ready_is_named_and_nobody_is_armed(start_fly, start_veh
     assert not any(vehicle["armed"] for vehicle in run.summary["station"]["vehicles"])
 
 
-def test_one_that_refuses_its_setpoints_is_named(start_fly, start_vehicles, field):  # noqa: F811
-    port, scenario = free_port(), field(count=2, duration_s=40)
+class Stubborn(threading.Thread):
+    """An ArduPlane of a few lines that flies north for ever, east of the field, and refuses some commands."""
+
+    def __init__(self, port, *refused):
+        super().__init__(daemon=True)
+        self.link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=1, source_component=1)
+        self.refused, self.mode, self.running, self.began = refused, GUIDED, True, time.monotonic()
+        self.start()
+
+    def run(self):
+        due = heart = self.began
+        while self.running:
+            now = time.monotonic()
+            if now >= due:
+                due += 0.1
+                self.tell_position(now - self.began)
+            if now >= heart:
+                heart += 0.5
+                self.link.mav.heartbeat_send(1, 3, 0xD9, self.mode, 4)
+                self.link.mav.extended_sys_state_send(0, 2)
+                self.link.mav.home_position_send(399_800_000, 1_163_412_000, 50_000, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0)
+            message = self.link.recv_match(type="COMMAND_LONG", blocking=True, timeout=0.02) or self.link.recv_match(
+                type="COMMAND_INT"
+            )
+            if message:
+                self.obey(message)
+
+    def tell_position(self, since_s):
+        north_m = 10.0 * since_s
+        lat = 399_800_000 + int(north_m / 111_319.5 * 1e7)
+        stamp = int(1e3 * since_s) + 10_000
+        self.link.mav.global_position_int_send(stamp, lat, 1_163_412_000, 100_000, 50_000, 1000, 0, 0, 0)
+
+    def obey(self, message):
+        if message.command in self.refused:
+            self.link.mav.command_ack_send(message.command, FAILED)
+            return
+        if message.command == 176:
+            self.mode = int(message.param2)
+        self.link.mav.command_ack_send(message.command, ACCEPTED)
+
+    def close(self):
+        self.running = False
+        self.join()
+        self.link.close()
+
+
+@pytest.mark.parametrize("refused, says", [(43000, "refuses the speed in GUIDED: FAILED"), (176, "was not seen to end as it should")])
+def test_one_that_refuses_a_command_is_named(start_fly, field, refused, says):  # noqa: F811
+    port = free_port()
+    stubborn = Stubborn(port, refused)
+    try:
+        run = start_fly(field(count=1, duration_s=8), "--link", f"udpin:127.0.0.1:{port}").end()
+    finally:
+        stubborn.close()
+    assert run.status == 1 and run.summary["completed"], run.errors
+    assert f"vehicle 1 {says}" in run.summary["failure"] and len(told(run, says)) == 1
+
+
+def test_one_whose_limits_become_narrower_is_told(start_fly, start_vehicles, field):  # noqa: F811
+    port, scenario = free_port(), field(count=2, duration_s=20)
     vehicles = start_vehicles(scenario, "--speed", 4, ground_port=port)
     controller = start_fly(scenario, "--speed", 4, "--link", f"udpin:127.0.0.1:{port}")
     controller.wait_for("the flock flies")
-    stubborn = vehicles.connect()[1]
+    narrow = vehicles.connect()[1]
     # The greatest speed is never below that of cruising.
-    stubborn.set_parameter("AIRSPEED_CRUISE", 8.0)
-    stubborn.set_parameter("AIRSPEED_MAX", 8.0)
-    assert stubborn.change_speed(10.0) == FAILED
-    line = controller.wait_for("refuses the speed")
-    assert "vehicle 2" in line and "FAILED" in line
+    narrow.set_parameter("AIRSPEED_CRUISE", 8.0)
+    narrow.set_parameter("AIRSPEED_MAX", 8.0)
+    line = controller.wait_for("is asked for 8.0 m/s")
+    assert "vehicle 2" in line
     run = controller.end()
-    assert run.status == 1 and len(told(run, "refuses the speed")) == 1
     assert [vehicle["mode"] for vehicle in run.summary["station"]["vehicles"]] == ["LOITER"] * 2
 
 

@@ -13,6 +13,8 @@ const SAME_AGAIN: Duration = Duration::from_secs(1);
 const CHANGED_AGAIN: Duration = Duration::from_millis(200);
 /// A setpoint that is not answered is sent again after this.
 const ANSWER_PATIENCE: Duration = Duration::from_millis(350);
+/// A speed that is outside the vehicle's own limits by more than this is told, m/s.
+const SPEED_OUTSIDE_MPS: f64 = 1.0;
 /// After so many refusals in a row a vehicle is told to refuse.
 const REFUSALS_TOLD: u32 = 3;
 
@@ -46,6 +48,13 @@ impl Station {
             return;
         }
         let Some(messages) = self.encode(index, setpoint, now) else { return };
+        let (asked_mps, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
+        if (asked_mps - airspeed_mps).abs() > SPEED_OUTSIDE_MPS {
+            let text = format!(
+                "is asked for {airspeed_mps:.1} m/s of airspeed instead of {asked_mps:.1}: its own limits are narrower now"
+            );
+            self.tell_once(index, "narrower", Weight::Warning, text, now);
+        }
         let vehicle = &mut self.vehicles[index];
         vehicle.setpoint = Some(*setpoint);
         vehicle.setpoint_sent = Some(now);

@@ -456,18 +456,24 @@ impl Station {
         (age_s <= STALE_S).then_some(state)
     }
 
+    /// The airspeed that a speed over ground needs, with wind and thin air, and the nearest one that the vehicle takes,
+    /// m/s.
+    fn airspeeds_mps(&self, index: usize, speed_mps: f64) -> (f64, f64) {
+        let Some(vehicle) = self.vehicles.get(index) else { return (speed_mps, speed_mps) };
+        let asked_mps = speed_mps + vehicle.airspeed_excess_mps;
+        let limits = vehicle.limits.unwrap_or_default();
+        match (limits.speed_min_mps, limits.speed_max_mps) {
+            (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
+                (asked_mps, asked_mps.clamp(least, greatest))
+            }
+            _ => (asked_mps, asked_mps),
+        }
+    }
+
     /// The messages that ask a vehicle for a setpoint, by its kind's encoder.
     pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
         let vehicle = self.vehicles.get(index)?;
-        // Wind and thin air, but never an airspeed that the vehicle refuses.
-        let asked_mps = setpoint.speed_mps + vehicle.airspeed_excess_mps;
-        let limits = vehicle.limits.unwrap_or_default();
-        let airspeed_mps = match (limits.speed_min_mps, limits.speed_max_mps) {
-            (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
-                asked_mps.clamp(least, greatest)
-            }
-            _ => asked_mps,
-        };
+        let (_, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
         let situation = Situation {
             state: self.state_now(index, now)?,
             frame: &self.frame,
