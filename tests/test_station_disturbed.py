@@ -59,10 +59,7 @@ class Stubborn(threading.Thread):
                 self.link.mav.heartbeat_send(1, 3, 0xD9, self.mode, 4)
                 self.link.mav.extended_sys_state_send(0, 2)
                 self.link.mav.home_position_send(399_800_000, 1_163_412_000, 50_000, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0)
-            message = self.link.recv_match(type="COMMAND_LONG", blocking=True, timeout=0.02) or self.link.recv_match(
-                type="COMMAND_INT"
-            )
-            if message:
+            if message := self.link.recv_match(type=["COMMAND_LONG", "COMMAND_INT"], blocking=True, timeout=0.02):
                 self.obey(message)
 
     def tell_position(self, since_s):
