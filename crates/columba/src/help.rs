@@ -70,6 +70,22 @@ says.
 Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are \
 wrong.";
 
+/// Of `columba view`.
+pub const VIEW: &str = "\
+Examples:
+  columba view
+      whoever sends telemetry to UDP 14550
+  columba view --link tcp:127.0.0.1:5760 --link udpin:127.0.0.1:14560
+      two links on one page
+  columba view --silent --link udpin:0.0.0.0:14550
+      from other machines too, and nothing is sent to them
+  columba view runs/paper/flight.tlog
+      plays a log back, with pause, speed, scrub and step
+  columba view one.tlog two.tlog --view 8080
+      two logs together, on a port of your choice
+
+The program prints the address of the page and runs until Ctrl-C.";
+
 /// Of `columba compare`.
 pub const COMPARE: &str = "\
 Examples:
@@ -148,7 +164,7 @@ mod tests {
     #[test]
     fn the_examples_are_command_lines() {
         let mut examples = 0;
-        for text in [RUN, VEHICLES, FLY, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
+        for text in [RUN, VEHICLES, FLY, VIEW, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
             for line in text.lines().filter(|line| line.starts_with("  columba ")) {
                 // What the shell does with a command is not the program's.
                 let command = line.split(" > ").next().unwrap();

@@ -15,3 +15,4 @@ pub mod report;
 pub mod smoothness;
 pub mod station;
 pub mod suites;
+pub mod view;

@@ -10,7 +10,9 @@ use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Progress, RealTi
 use crate::station::frames::Origin;
 use crate::station::vehicle::Route;
 use crate::station::{self, Station, shell};
+use crate::view::{self, FlockView, StationView};
 use anyhow::{Context, anyhow};
+use live_view::LiveView;
 use mavlink_bridge::ImpairmentSettings;
 use mavlink_bridge::link::{Connection, HostPort, LinkSpec, Links, Peer, SigningKey};
 use sim_vehicle::NETWORK_VEHICLES_MAX;
@@ -42,10 +44,15 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     }
     start_threads(cli)?;
     let stop = stop_on_signal()?;
+    let view = view::open(&args.view)?;
     if !by_tick_loop {
-        return from_the_ground(cli, args, scenario, addresses.unwrap_or_default(), stop);
+        return from_the_ground(cli, args, scenario, addresses.unwrap_or_default(), view, stop);
     }
-    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
+    if let Some(view) = &view {
+        view.feed().scene(view::scene_of(&scenario, "columba fly"));
+    }
+    let shown = view.as_ref().map(|view| FlockView::new(view.feed(), false));
+    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet).with_view(shown);
     let (folder, flight, log) = block_on(async {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
         let mut ground =
@@ -70,6 +77,7 @@ fn from_the_ground(
     args: &FlyArgs,
     scenario: Scenario,
     addresses: Vec<SocketAddr>,
+    view: Option<LiveView>,
     stop: flying::Stop,
 ) -> Result<(), Failure> {
     let wanted = scenario.starts.len();
@@ -111,7 +119,8 @@ fn from_the_ground(
     };
     let started = Instant::now();
     let station = Station::new(scenario.clone(), settings, Box::new(move || started.elapsed()));
-    let around = shell::Surroundings { links, connections, key, speed: args.speed, quiet: cli.quiet };
+    let view = view.map(|view| StationView::new(view, &scenario));
+    let around = shell::Surroundings { links, connections, key, speed: args.speed, quiet: cli.quiet, view };
     let flight = block_on(shell::run(station, around, folder.path(), stop))?;
     conclude_station(cli, &scenario, &folder, &flight, args)
 }

@@ -6,6 +6,7 @@
 
 mod arbiter;
 pub(crate) mod arming;
+mod attitude;
 mod automation;
 pub(crate) mod calibration;
 pub(crate) mod event;
@@ -18,6 +19,7 @@ pub(crate) mod home;
 pub(crate) mod input;
 pub(crate) mod manual_control;
 pub(crate) mod mission;
+pub(crate) mod mode_switch;
 pub(crate) mod pilot;
 pub(crate) mod plan;
 pub(crate) mod rally;
@@ -69,6 +71,8 @@ pub(crate) struct Autopilot {
     /// Whether its time stands still between setpoints.
     is_in_lockstep: bool,
     time: Duration,
+    /// How often it has been switched on.
+    boots: u16,
     pub flight: Flight,
     pub world: World,
     pub parameters: Parameters,
@@ -97,6 +101,7 @@ impl Autopilot {
             loiter_radius_m: settings.loiter_radius_m,
             is_in_lockstep,
             time: Duration::ZERO,
+            boots: 1,
             flight: Flight::new(settings),
             world: World::new(settings, &parameters),
             parameters,
@@ -116,13 +121,16 @@ impl Autopilot {
         self.restart_setpoint_timeout();
     }
 
-    /// As it was switched on, where it stands: parameters and plans are kept, and all that has been told it since is
-    /// gone, its home too. Its time goes on, for the clock does.
+    /// As it was switched on: parameters and plans are kept, and all that has been told it since is gone, its home too.
+    /// A vehicle that started on the ground stands at its start again, as in the autopilots' own simulators; any other
+    /// stays where it is. Its time goes on, for the clock does.
     pub fn reboot(&mut self) {
+        self.boots = self.boots.saturating_add(1);
         if self.flight.is_armed() {
             self.disarm();
         }
         self.session = Session::default();
+        self.flight.stand_at_start();
         self.set_mode(self.boot_mode);
         if self.flight.is_on_ground() {
             self.set_home_here();
@@ -387,6 +395,7 @@ impl Autopilot {
     pub fn parameter_value(&self, parameter: Parameter) -> f32 {
         match parameter {
             Parameter::RunTime => self.time.as_secs() as f32,
+            Parameter::BootCount => f32::from(self.boots),
             Parameter::MissionTotal => self.mission.items().len() as f32,
             Parameter::FenceTotal => self.fence.total() as f32,
             Parameter::RallyTotal => self.rally.items().len() as f32,

@@ -9,6 +9,7 @@ impl Autopilot {
     /// `track`.
     pub fn step(&mut self, time: Duration, track: &mut Vec<State>) {
         self.live();
+        self.forget_attitude();
         self.step_flight();
         self.time = time;
         track.push(*self.flight.state());
@@ -17,6 +18,7 @@ impl Autopilot {
         self.follow_mission();
         self.follow_calibration();
         self.follow_streams();
+        self.follow_mode_switch();
         self.tell_what_is_against_arming();
     }
 

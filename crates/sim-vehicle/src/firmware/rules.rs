@@ -68,8 +68,6 @@ pub(crate) struct Rules {
     pub acknowledges_set_mode: bool,
     /// Whether SET_GPS_GLOBAL_ORIGIN is answered with the origin, which stays.
     pub tells_origin: bool,
-    /// Whether attitude targets count for the offboard stream.
-    pub hears_attitude_targets: bool,
     /// Whether a rate of a message that there is not is FAILED; otherwise it is DENIED.
     pub unknown_interval_fails: bool,
     /// Whether DO_SET_HOME is above sea level whatever the frame.
@@ -83,6 +81,8 @@ pub(crate) struct Rules {
     pub fence_action: fn(u8) -> Option<Mode>,
     /// Whether it says unasked what stands against arming.
     pub tells_arming_reason: bool,
+    /// Whether a channel of the sticks changes the mode (FLTMODE_CH).
+    pub has_mode_switch: bool,
     /// Whether any ground station moves the sticks and is listened for; otherwise the one of MAV_GCS_SYSID.
     pub any_ground_station: bool,
     /// Whether setpoints in Offboard, sticks and the ground station are watched as a PX4 does, TAKEOFF ends in Hold,

@@ -157,6 +157,18 @@ parameters! {
 
     ArmingCheck: "ARMING_CHECK", INT32, |_| 1.0, |_| (0.0, 8_388_607.0), Effect::LookedUp;
 
+    // The pilot's channels: 1 where more microseconds mean less.
+    RollReversed: "RC1_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    PitchReversed: "RC2_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    ThrottleReversed: "RC3_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    FlightModeChannel: "FLTMODE_CH", INT8, |_| 8.0, |_| (0.0, 16.0), Effect::LookedUp;
+    FlightMode1: "FLTMODE1", INT8, |_| 11.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode2: "FLTMODE2", INT8, |_| 11.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode3: "FLTMODE3", INT8, |_| 5.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode4: "FLTMODE4", INT8, |_| 5.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode5: "FLTMODE5", INT8, |_| 0.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode6: "FLTMODE6", INT8, |_| 0.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+
     // ArduCopter's name: ArduPlane waits for ever for a setpoint.
     GuidedTimeout: "GUID_TIMEOUT", REAL, |s| s.setpoint_timeout_s as f32, |_| (0.0, 1e6), Effect::SetpointTimeout;
 
@@ -225,6 +237,7 @@ parameters! {
     RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
 
     RunTime: "STAT_RUNTIME", INT32, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    BootCount: "STAT_BOOTCNT", INT16, |_| 1.0, |_| (1.0, 1.0), Effect::ReadOnly;
 
     // PX4's own: see firmware/px4/.
     OffboardTimeout: "COM_OF_LOSS_T", REAL, |_| 1.0, |_| (0.0, 60.0), Effect::LookedUp;
@@ -240,6 +253,8 @@ parameters! {
 
 /// ArduPlane's default of TKOFF_ALT, m.
 pub(crate) const TAKEOFF_ALTITUDE_M: f64 = 50.0;
+/// The greatest number of a mode of ArduPlane's.
+const MODE_MAX: f32 = 26.0;
 /// Radii are whole metres of 16 bits.
 const RADIUS_MAX_M: f32 = i16::MAX as f32;
 

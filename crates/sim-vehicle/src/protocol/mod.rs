@@ -9,6 +9,7 @@ mod ftp;
 pub(crate) mod mission;
 pub(crate) mod parameter;
 
+use crate::autopilot::manual_control::CHANNELS;
 use crate::autopilot::pilot::ManualControl;
 use crate::error::{CommandError, CommandResult, Severity};
 use crate::firmware::answers;
@@ -112,7 +113,7 @@ fn serve_message(component: &mut Component, link: usize, sender: Target, message
             autopilot.hear_heartbeat(sender.system_id, data.mavtype == MavType::MAV_TYPE_GCS);
         }
         Message::SET_POSITION_TARGET_GLOBAL_INT(data) => answers::take_global_target(autopilot, data),
-        Message::SET_ATTITUDE_TARGET(_) => answers::take_attitude(autopilot),
+        Message::SET_ATTITUDE_TARGET(data) => answers::take_attitude(autopilot, data),
         Message::RC_CHANNELS_OVERRIDE(data) => autopilot.override_channels(sender.system_id, channels_of(data)),
         Message::MANUAL_CONTROL(data) => {
             let sticks = ManualControl { x: data.x, y: data.y, z: data.z, r: data.r };
@@ -181,7 +182,7 @@ fn conclude(component: &mut Component, outcome: Result<(), CommandError>) -> Mav
     }
 }
 
-fn channels_of(data: &RC_CHANNELS_OVERRIDE_DATA) -> [u16; 8] {
+fn channels_of(data: &RC_CHANNELS_OVERRIDE_DATA) -> [u16; CHANNELS] {
     [
         data.chan1_raw,
         data.chan2_raw,
@@ -191,6 +192,14 @@ fn channels_of(data: &RC_CHANNELS_OVERRIDE_DATA) -> [u16; 8] {
         data.chan6_raw,
         data.chan7_raw,
         data.chan8_raw,
+        data.chan9_raw,
+        data.chan10_raw,
+        data.chan11_raw,
+        data.chan12_raw,
+        data.chan13_raw,
+        data.chan14_raw,
+        data.chan15_raw,
+        data.chan16_raw,
     ]
 }
 

@@ -100,10 +100,7 @@ impl Instruments<'_> {
                 telemetry::global_position_int(time, state, self.flight.heading_rad(), self.frame, home_altitude_m)
             }
             Stream::VfrHud => {
-                // Throttle is the share of the top speed that is flown.
-                let top_mps = self.flight.limits().speed_max_mps;
-                let share = if self.flight.is_engine_running() { self.flight.airspeed_mps() / top_mps } else { 0.0 };
-                let throttle_percent = (100.0 * share).round() as u16;
+                let throttle_percent = (100.0 * self.throttle()).round() as u16;
                 let airspeed_mps = self.readings().airspeed_mps;
                 let altitude_m = origin.altitude_amsl_m + state.altitude_m;
                 telemetry::vfr_hud(state, airspeed_mps, self.flight.heading_rad(), altitude_m, throttle_percent)
@@ -208,8 +205,24 @@ impl Instruments<'_> {
 
     /// RC_CHANNELS (<https://mavlink.io/en/messages/common.html#RC_CHANNELS>).
     fn rc_channels(&self) -> Message {
-        let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw] =
-            self.autopilot.session.channels.positions_us(self.time);
+        let [
+            chan1_raw,
+            chan2_raw,
+            chan3_raw,
+            chan4_raw,
+            chan5_raw,
+            chan6_raw,
+            chan7_raw,
+            chan8_raw,
+            chan9_raw,
+            chan10_raw,
+            chan11_raw,
+            chan12_raw,
+            chan13_raw,
+            chan14_raw,
+            chan15_raw,
+            chan16_raw,
+        ] = self.autopilot.session.channels.positions_us(self.time);
         Message::RC_CHANNELS(RC_CHANNELS_DATA {
             time_boot_ms: self.time.as_millis() as u32,
             chan1_raw,
@@ -220,6 +233,15 @@ impl Instruments<'_> {
             chan6_raw,
             chan7_raw,
             chan8_raw,
+            chan9_raw,
+            chan10_raw,
+            chan11_raw,
+            chan12_raw,
+            chan13_raw,
+            chan14_raw,
+            chan15_raw,
+            chan16_raw,
+            // Those of the receiver.
             chancount: 8,
             rssi: u8::MAX,
             ..RC_CHANNELS_DATA::DEFAULT
@@ -342,6 +364,7 @@ fn capabilities(rules: &Rules) -> MavProtocolCapability {
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }

@@ -1,6 +1,7 @@
 //! How the vehicle flies: its modes and what feeds the three autopilot loops. Knows no MAVLink.
 
 mod air;
+pub(crate) mod attitude;
 mod circle;
 pub(crate) mod ground;
 pub(crate) mod guidance;
@@ -18,6 +19,7 @@ use crate::parameters::table::TAKEOFF_ALTITUDE_M;
 use crate::settings::VehicleSettings;
 use crate::world::Motion;
 use air::Air;
+use attitude::AttitudeTarget;
 use flight_model::{Autopilot, Dynamics, State, wrap_pi};
 use ground::Contact;
 use guidance::{Direction, RallyPlace};
@@ -38,6 +40,7 @@ pub(crate) struct Flight {
     limited: Dynamics,
     tuning: Tuning,
     start: State,
+    starts_on_ground: bool,
     state: State,
     air: Air,
     mode: Mode,
@@ -47,6 +50,8 @@ pub(crate) struct Flight {
     contact: Contact,
     stage: Stage,
     sticks: Option<Sticks>,
+    /// The attitude that somebody else sets, until the mode changes.
+    attitude: Option<AttitudeTarget>,
     home: Home,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: Vector2<f64>,
@@ -89,9 +94,11 @@ impl Flight {
                 sink_max_mps: f64::INFINITY,
                 takeoff_altitude_m: TAKEOFF_ALTITUDE_M,
                 lateral_overload_max: f64::INFINITY,
+                stick_bank_max_rad: manual::BANK_MAX_RAD,
             },
             lateral_limit_mps2: f64::INFINITY,
             start,
+            starts_on_ground: settings.on_ground,
             state: State { speed_mps: 0.0, climb_mps: 0.0, ..start },
             air: Air::at(&start),
             mode: settings.mode,
@@ -100,6 +107,7 @@ impl Flight {
             contact: Contact::Rail,
             stage: Stage::Normal,
             sticks: None,
+            attitude: None,
             home: Home::default(),
             guided_point: start.position_m(),
             rally: None,

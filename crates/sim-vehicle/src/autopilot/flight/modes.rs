@@ -1,5 +1,6 @@
 //! Modes, and what begins with each of them.
 
+use super::air::Air;
 use super::ground::Contact;
 use super::guidance::Direction;
 use super::landing::Landing;
@@ -112,6 +113,15 @@ impl Flight {
         }
     }
 
+    /// Who started on the ground is there again.
+    pub fn stand_at_start(&mut self) {
+        if self.starts_on_ground {
+            self.armed = false;
+            self.air = Air::at(&self.start);
+            self.stand_on_ground();
+        }
+    }
+
     /// Begins at rest on the ground below the start, disarmed, in MANUAL and at home, as ArduPlane boots.
     pub(super) fn stand_on_ground(&mut self) {
         self.contact = Contact::Ground;
@@ -128,6 +138,7 @@ impl Flight {
         self.speed_is_over_ground = false;
         self.altitude = Ramp::at(now.altitude_m);
         self.altitude_is_slewed = false;
+        self.set_attitude(None);
         self.set_course(now.course_rad, f64::INFINITY);
         let here = now.position_m();
         match mode {
