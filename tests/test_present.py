@@ -3,19 +3,17 @@
 import json
 import subprocess
 
-from conftest import COLUMBA
-
 DELAY = ["--set", "link.delay_ms=200", "--set", "link.jitter_ms=50", "--loss", "0.2"]
 
 
-def run(folder, *options):
-    command = [COLUMBA, "run", "--quiet", "--no-report", "--out", folder, *options]
+def run(program, folder, *options):
+    command = [program, "run", "--quiet", "--no-report", "--out", folder, *options]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=240)
     return done, json.loads((folder / "summary.json").read_text())
 
 
-def test_a_bad_link_is_flown_through_and_repeats(tmp_path):
-    flights = [run(tmp_path / name, "--transport", "simulated", *DELAY) for name in "ab"]
+def test_a_bad_link_is_flown_through_and_repeats(program, tmp_path):
+    flights = [run(program, tmp_path / name, "--transport", "simulated", *DELAY) for name in "ab"]
     for done, summary in flights:
         assert done.returncode == 0, done.stderr
         assert summary["transport"] == "simulated"
@@ -31,8 +29,8 @@ def test_a_bad_link_is_flown_through_and_repeats(tmp_path):
     assert first == second
 
 
-def test_real_time_measures_the_delay_of_its_link(tmp_path):
-    _, summary = run(tmp_path / "run", "--speed", "2", "--duration", "8", "--set", "link.delay_ms=100")
+def test_real_time_measures_the_delay_of_its_link(program, tmp_path):
+    _, summary = run(program, tmp_path / "run", "--speed", "2", "--duration", "8", "--set", "link.delay_ms=100")
     present = summary["present"]
     for vehicle in present["vehicles"]:
         # 100 ms of the wall clock are 200 ms of the flight; a machine under load only adds to them.
@@ -41,6 +39,6 @@ def test_real_time_measures_the_delay_of_its_link(tmp_path):
     assert present["ticks"] + present["missed_ticks"] >= 16
 
 
-def test_lockstep_knows_everything_and_says_nothing(tmp_path):
-    _, summary = run(tmp_path / "run", "--transport", "memory", "--duration", "2")
+def test_lockstep_knows_everything_and_says_nothing(program, tmp_path):
+    _, summary = run(program, tmp_path / "run", "--transport", "memory", "--duration", "2")
     assert summary["present"] is None
