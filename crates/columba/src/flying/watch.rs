@@ -3,7 +3,7 @@
 //!
 //! Sans-I/O: messages and times go in, states come out. Times are flight time, which runs as fast as the vehicles do.
 
-use crate::config::Scenario;
+use crate::config::{Scenario, SetpointDialect};
 use controller::{Decision, Present};
 use flight_model::{Setpoint, State};
 use mavlink_bridge::dialect::{Message, TIMESYNC_DATA};
@@ -75,11 +75,10 @@ struct StateError {
 impl Watch {
     /// The vehicles of a scenario, of which nothing is heard yet.
     pub fn new(scenario: &Scenario) -> Self {
-        let craft = |_: &State| Craft {
-            clock: VehicleClock::default(),
-            present: Present::new(&scenario.dynamics),
-            ages_s: [0.0; 2],
-            std_m: 0.0,
+        let craft = |_: &State| {
+            let mut present = Present::new(&scenario.dynamics);
+            present.set_holds_ground_speed(scenario.link.setpoints == SetpointDialect::LocalNed);
+            Craft { clock: VehicleClock::default(), present, ages_s: [0.0; 2], std_m: 0.0 }
         };
         Self {
             crafts: scenario.starts.iter().map(craft).collect(),

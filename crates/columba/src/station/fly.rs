@@ -10,7 +10,7 @@ use super::{Phase, STALE_S, Station, end, number};
 use crate::flight::{Row, Tick, Trajectory};
 use controller::{Decision, Flock, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Setpoint, State};
-use mavlink_bridge::kind::AtEnd;
+use mavlink_bridge::kind::{AtEnd, AutopilotKind};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -76,7 +76,11 @@ impl Fly {
         let trajectory = Trajectory::new(scenario.starts.len());
         let dynamics = settings(station);
         for index in station.crew() {
-            station.vehicles[index].present.set_dynamics(&dynamics.dynamics_of(index));
+            let vehicle = &mut station.vehicles[index];
+            let kind = vehicle.driver().map(|driver| driver.kind());
+            let is_plane = matches!(kind, Some(AutopilotKind::ArduPlane | AutopilotKind::Px4FixedWing));
+            vehicle.present.set_dynamics(&dynamics.dynamics_of(index));
+            vehicle.present.set_holds_ground_speed(!is_plane);
         }
         station.told.flight_began_s = Some(now.as_secs_f64());
         station.told.tell(now.as_secs_f64(), None, Weight::Note, "the flock flies");

@@ -90,6 +90,7 @@ pub struct Present {
     /// Time and heading, rad.
     headings: VecDeque<(f64, f64)>,
     speed: SpeedObserver,
+    holds_ground_speed: bool,
     /// Squares of the residuals of course and speed, slowly averaged.
     residuals: [f64; 2],
     /// Time between two states, slowly averaged, s.
@@ -115,6 +116,7 @@ impl Present {
             fix: None,
             headings: VecDeque::new(),
             speed: SpeedObserver::default(),
+            holds_ground_speed: false,
             residuals: RESIDUAL_MIN.map(|least| least * least),
             interval_s: 0.1,
             error: PredictionError::default(),
@@ -125,6 +127,12 @@ impl Present {
     pub fn set_dynamics(&mut self, dynamics: &Dynamics) {
         self.dynamics = *dynamics;
         self.model = Autopilot::new(dynamics, STEP_S);
+    }
+
+    /// Whether the vehicle holds speeds over ground itself: its measured speed is then the reference, and nothing is to
+    /// be corrected. Else its setpoints are airspeeds.
+    pub fn set_holds_ground_speed(&mut self, holds_ground_speed: bool) {
+        self.holds_ground_speed = holds_ground_speed;
     }
 
     /// From now on commands take this long to the vehicle, s.
@@ -188,12 +196,16 @@ impl Present {
         let last = self.fix?;
         let until_s = at_s.min(last.at_s + AHEAD_MAX_S);
         let state = self.fly(&fix, until_s);
-        let reference = self.fly(&Fix { state: self.with_speed(&last.state), ..last }, until_s);
+        let reference_speed_mps = if self.holds_ground_speed {
+            state.speed_mps
+        } else {
+            self.fly(&Fix { state: self.with_speed(&last.state), ..last }, until_s).speed_mps
+        };
         let age_s = (at_s - last.at_s).max(0.0);
         let walk = self.walk_m2ps3(last.state.speed_mps);
         let covariance_m2 = self.error.covariance_m2(age_s, walk, state.course_rad);
         let velocity_walk_m2ps3 = walk.max();
-        Some(Estimate { state, reference_speed_mps: reference.speed_mps, age_s, covariance_m2, velocity_walk_m2ps3 })
+        Some(Estimate { state, reference_speed_mps, age_s, covariance_m2, velocity_walk_m2ps3 })
     }
 
     /// Where the vehicle will be when a command sent at a moment acts on it; remembered, to be compared with what is
@@ -212,7 +224,7 @@ impl Present {
     /// What is to be taken off a wanted speed, m/s, so that the vehicle settles on it: learnt slowly, from wind, air
     /// density and the loop's gain alike.
     pub fn speed_bias_mps(&self) -> f64 {
-        self.speed.bias_mps()
+        if self.holds_ground_speed { 0.0 } else { self.speed.bias_mps() }
     }
 
     /// Root of the mean square of the errors of position along and across the course, m, of what was foreseen; none
