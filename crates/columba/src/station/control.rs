@@ -56,6 +56,7 @@ impl Station {
             self.tell_once(index, "narrower", Weight::Warning, text, now);
         }
         let vehicle = &mut self.vehicles[index];
+        vehicle.present.command(now.as_secs_f64(), setpoint);
         vehicle.setpoint = Some(*setpoint);
         vehicle.setpoint_sent = Some(now);
         if vehicle.driver().is_some_and(|driver| driver.acknowledges_setpoints()) {
@@ -96,6 +97,9 @@ impl Station {
                     vehicle.orders.remove(purpose);
                 }
             }
+        }
+        if let Some(setpoint) = vehicle.setpoint.filter(|_| !again.is_empty()) {
+            vehicle.present.command(now.as_secs_f64(), &setpoint);
         }
         let (target, mode) = (vehicle.target, vehicle.mode_name());
         let words = vehicle.words_since(now.saturating_sub(Duration::from_secs(3))).map(str::to_owned);

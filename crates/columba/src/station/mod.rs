@@ -489,6 +489,7 @@ impl Station {
     /// The messages that ask a vehicle for a setpoint, by its kind's encoder.
     pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
         let vehicle = self.vehicles.get(index)?;
+        let setpoint = &Setpoint { speed_mps: setpoint.speed_mps - vehicle.present.speed_bias_mps(), ..*setpoint };
         let (_, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
         let situation = Situation {
             state: self.state_now(index, now)?,
