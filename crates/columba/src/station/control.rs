@@ -51,7 +51,8 @@ impl Station {
         let (asked_mps, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
         if (asked_mps - airspeed_mps).abs() > SPEED_OUTSIDE_MPS {
             let text = format!(
-                "is asked for {airspeed_mps:.1} m/s of airspeed instead of {asked_mps:.1}: its own limits are narrower now"
+                "is asked for {airspeed_mps:.1} m/s of airspeed instead of {asked_mps:.1}: its own limits are narrower \
+                 now"
             );
             self.tell_once(index, "narrower", Weight::Warning, text, now);
         }

@@ -283,8 +283,8 @@ impl Station {
         }
     }
 
-    /// Counts a frame of a vehicle's autopilot, and those that are missing before it. False for any other sender: routers
-    /// pass on only a part of what others say, so that gaps in their numbers are no losses.
+    /// Counts a frame of a vehicle's autopilot, and those that are missing before it. False for any other sender:
+    /// routers pass on only a part of what others say, so that gaps in their numbers are no losses.
     pub fn count(&mut self, header: &Header, missing: u64) -> bool {
         let is_sender = |vehicle: &&mut Vehicle| {
             (vehicle.id(), vehicle.target.component_id) == (header.system_id, header.component_id)

@@ -30,8 +30,8 @@ const HOME_POSITION: u32 = 242;
 const EXTENDED_SYS_STATE: u32 = 245;
 const CURRENT_MODE: u32 = 436;
 
-/// What answers or announces something, and is never silenced: HEARTBEAT, PARAM_VALUE, COMMAND_ACK, TIMESYNC, STATUSTEXT
-/// and others of that kind.
+/// What answers or announces something, and is never silenced: HEARTBEAT, PARAM_VALUE, COMMAND_ACK, TIMESYNC,
+/// STATUSTEXT and others of that kind.
 const KEPT: [u32; 13] = [HEARTBEAT, 8, 22, 44, 47, 51, 73, 77, 110, 111, 253, AUTOPILOT_VERSION, GLOBAL_POSITION_INT];
 /// A message that came so often is a stream.
 const STREAM_HEARD: u32 = 5;

@@ -25,9 +25,9 @@ const REBOOT_MS: u32 = 2_000;
 
 /// Estimates, from the time stamps of telemetry and from TIMESYNC round trips, which ground time a vehicle's time is.
 ///
-/// A message is heard some delay after it was stamped. The least delays of each half second, with the drift between the
-/// two clocks taken out, give the vehicle's time plus the least delay of the link; half of the shortest round trip gives
-/// that delay. The drift is the median of the slopes between them: a burst of late messages does not move it.
+/// A message is heard some delay after it was stamped. The least delays of each half second, with the drift between
+/// the two clocks taken out, give the vehicle's time plus the least delay of the link; half of the shortest round trip
+/// gives that delay. The drift is the median of the slopes between them: a burst of late messages does not move it.
 #[derive(Clone, Debug, Default)]
 pub struct VehicleClock {
     /// Ground time of arrival, and by how much it is ahead of the stamp, s.
