@@ -22,9 +22,6 @@ use std::time::Duration;
 /// round for ever.
 const ITEMS_AT_ONCE_MAX: usize = 1000;
 
-/// The first number of what is not flown: conditions, commands and marks.
-const CONDITIONS_AND_COMMANDS: u16 = 95;
-
 /// Least height above home that is climbed to before a mission without a take-off goes on, m.
 const LEAST_TAKE_OFF_M: f64 = 10.0;
 
@@ -41,6 +38,13 @@ impl Autopilot {
         Ok(())
     }
 
+    /// The item that was chosen is told as an ArduPlane tells it: the next one that is flown to.
+    pub(crate) fn tell_chosen_item(&mut self) {
+        if self.rules.tells_next_flown_item {
+            self.session.progress.tell_next_flown(&self.mission);
+        }
+    }
+
     /// Another mission that was uploaded begins with an item, or goes on with it.
     pub(crate) fn start_mission_at(&mut self, seq: u16) {
         self.session.progress.start_at(seq, &self.mission);
@@ -52,7 +56,11 @@ impl Autopilot {
             return Err(CommandError::denied("Mission: a tag has 16 bits"));
         }
         match self.mission.tagged(f64::from(tag.trunc())) {
-            Some(seq) => self.set_current_item(seq, false),
+            Some(seq) => {
+                self.set_current_item(seq, false)?;
+                self.tell_chosen_item();
+                Ok(())
+            }
             None => Err(CommandError::failed(format!("Mission: no tag {tag}"))),
         }
     }
@@ -322,7 +330,7 @@ impl Autopilot {
             match item.command {
                 JUMP if self.would_jump(at, item) => at = (item.params[0] as u16).saturating_sub(1),
                 // Jumps, conditions and commands have higher numbers than what is flown.
-                0..CONDITIONS_AND_COMMANDS => {
+                0..95 => {
                     let is_placed = has_place(item.command) && !item.position().is_zero();
                     return is_placed.then(|| self.reference().place_of(item, self.flight.here()));
                 }
@@ -330,26 +338,6 @@ impl Autopilot {
             }
         }
         None
-    }
-
-    /// The item that is told as the current one: of an ArduPlane that does not fly its mission, the one that will be
-    /// flown next, beyond marks and jumps.
-    pub(crate) fn told_item(&self) -> u16 {
-        let told = self.session.progress.told();
-        let is_flown = self.mode() == Mode::Auto && self.flight.is_armed();
-        if !self.rules.has_ardupilot_commands || is_flown || told < self.mission.first() {
-            return told;
-        }
-        let mut at = told;
-        for _ in 0..self.mission.len() {
-            match self.mission.get(at) {
-                Some(item) if item.command == JUMP && self.would_jump(at, item) => at = item.params[0] as u16,
-                Some(item) if item.command >= CONDITIONS_AND_COMMANDS => at += 1,
-                Some(_) => return at,
-                None => return told,
-            }
-        }
-        told
     }
 
     fn would_jump(&self, seq: u16, item: &PlanItem) -> bool {
