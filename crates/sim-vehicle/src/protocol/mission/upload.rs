@@ -329,7 +329,9 @@ impl MissionService {
 
 /// An item as it is understood: of some autopilots, a param that is not a number is one left out.
 pub(super) fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
-    if rules.stores_turns_in_bytes && item.command == LOITER_TURNS {
+    // What is no number is refused as it is.
+    let is_finite = item.params.iter().all(|param| param.is_finite());
+    if rules.stores_turns_in_bytes && item.command == LOITER_TURNS && is_finite {
         return in_bytes(item);
     }
     if !rules.nan_params_are_left_out {
