@@ -47,6 +47,7 @@ impl Station {
         }
         let Some(messages) = self.encode(index, setpoint, now) else { return };
         let vehicle = &mut self.vehicles[index];
+        vehicle.present.command(now.as_secs_f64(), setpoint);
         vehicle.setpoint = Some(*setpoint);
         vehicle.setpoint_sent = Some(now);
         if vehicle.driver().is_some_and(|driver| driver.acknowledges_setpoints()) {
@@ -86,6 +87,9 @@ impl Station {
                     vehicle.orders.remove(purpose);
                 }
             }
+        }
+        if let Some(setpoint) = vehicle.setpoint.filter(|_| !again.is_empty()) {
+            vehicle.present.command(now.as_secs_f64(), &setpoint);
         }
         let (target, refusals, mode) = (vehicle.target, vehicle.refusals, vehicle.mode_name());
         let words = vehicle.words_since(now.saturating_sub(Duration::from_secs(3))).map(str::to_owned);

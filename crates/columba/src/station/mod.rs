@@ -464,6 +464,7 @@ impl Station {
     pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
         let vehicle = self.vehicles.get(index)?;
         // Wind and thin air, but never an airspeed that the vehicle refuses.
+        let setpoint = &Setpoint { speed_mps: setpoint.speed_mps - vehicle.present.speed_bias_mps(), ..*setpoint };
         let asked_mps = setpoint.speed_mps + vehicle.airspeed_excess_mps;
         let limits = vehicle.limits.unwrap_or_default();
         let airspeed_mps = match (limits.speed_min_mps, limits.speed_max_mps) {

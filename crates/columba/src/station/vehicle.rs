@@ -1,7 +1,8 @@
 //! One autopilot as the station hears it.
 
 use super::track::{Sample, Track};
-use flight_model::{Geodetic, LocalFrame, State, wrap_pi};
+use controller::Present;
+use flight_model::{Dynamics, Geodetic, LocalFrame, State, wrap_pi};
 use mavlink_bridge::Target;
 use mavlink_bridge::dialect::{
     AUTOPILOT_VERSION_DATA, COMMAND_ACK_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA,
@@ -85,6 +86,8 @@ pub struct Vehicle {
     pub track: Track,
     /// Which time its stamps mean.
     pub clock: VehicleClock,
+    /// Where it is, and will be when a command acts.
+    pub present: Present,
     /// Its home.
     pub home: Option<Geodetic>,
     /// GPS_GLOBAL_ORIGIN.
@@ -155,6 +158,7 @@ impl Vehicle {
             height_m: 0.0,
             track: Track::default(),
             clock: VehicleClock::default(),
+            present: Present::new(&Dynamics::default()),
             home: None,
             origin: None,
             local_origin_amsl_m: None,
@@ -276,6 +280,11 @@ impl Vehicle {
             Message::CURRENT_MODE(data) => self.hear_mode(data.custom_mode, now),
             Message::AUTOPILOT_VERSION(data) => self.hear_version(data),
             Message::GLOBAL_POSITION_INT(data) => return self.hear_global(data, now, frame),
+            Message::ATTITUDE(data) => {
+                if let Some(at_s) = self.flown_at_s(data.time_boot_ms, now) {
+                    self.present.hear_heading(at_s, f64::from(data.yaw));
+                }
+            }
             Message::LOCAL_POSITION_NED(data) => self.hear_local(data),
             Message::EXTENDED_SYS_STATE(EXTENDED_SYS_STATE_DATA { landed_state, .. }) => {
                 self.landed_state = Some(*landed_state);
@@ -324,11 +333,7 @@ impl Vehicle {
         if data.lat.abs() < 10_000 && data.lon.abs() < 10_000 {
             return false;
         }
-        let reboots = self.clock.reboots();
-        self.clock.hear(data.time_boot_ms, now);
-        if self.clock.reboots() != reboots {
-            self.track.clear();
-        }
+        let at_s = self.flown_at_s(data.time_boot_ms, now);
         self.height_m = f64::from(data.relative_alt) * 1e-3;
         if let Some((stamp, [_, _, down_m])) = self.local
             && data.time_boot_ms.abs_diff(stamp) <= 250
@@ -337,8 +342,22 @@ impl Vehicle {
             self.local_origin_amsl_m = Some(f64::from(data.alt) * 1e-3 + down_m);
         }
         self.global = Some(data.clone());
-        let Some(at_s) = self.clock.ground_time_s(data.time_boot_ms) else { return false };
-        self.track.push(Sample { at_s, state: state(data, frame) })
+        let Some(at_s) = at_s else { return false };
+        let state = state(data, frame);
+        self.present.set_command_delay_s(self.clock.command_delay_s().unwrap_or(0.0));
+        self.present.hear(at_s, &state);
+        self.track.push(Sample { at_s, state })
+    }
+
+    /// The ground's time at which a stamp of the vehicle was put on, s.
+    fn flown_at_s(&mut self, boot_ms: u32, now: Duration) -> Option<f64> {
+        let reboots = self.clock.reboots();
+        self.clock.hear(boot_ms, now);
+        if self.clock.reboots() != reboots {
+            self.track.clear();
+            self.present.clear();
+        }
+        self.clock.ground_time_s(boot_ms)
     }
 
     /// Whether a position by one route contradicts the last one by another: two autopilots speak with one system id

@@ -79,6 +79,25 @@ impl VehicleClock {
         self.round_trips.iter().map(|&(_, trip_s)| 0.5 * trip_s).min_by(f64::total_cmp)
     }
 
+    /// Time that a command takes to the vehicle, s, as far as round trips tell: their mean without what telemetry
+    /// takes of it on the way back; none before there was one.
+    pub fn command_delay_s(&self) -> Option<f64> {
+        let back_s = self.delay_s()? + self.jitter_s().unwrap_or(0.0);
+        Some((self.round_trip_mean_s()? - back_s).max(0.0))
+    }
+
+    /// Spread of a delay one way, s: the standard deviation of round trips over the root of two.
+    pub fn delay_spread_s(&self) -> Option<f64> {
+        let (mean_s, count) = (self.round_trip_mean_s()?, self.round_trips.len() as f64);
+        let variance = self.round_trips.iter().map(|&(_, trip_s)| (trip_s - mean_s) * (trip_s - mean_s)).sum::<f64>();
+        Some((0.5 * variance / count).sqrt())
+    }
+
+    fn round_trip_mean_s(&self) -> Option<f64> {
+        let count = self.round_trips.len() as f64;
+        (count > 0.0).then(|| self.round_trips.iter().map(|&(_, trip_s)| trip_s).sum::<f64>() / count)
+    }
+
     /// How much later than the quickest messages come, s: the mean over the window.
     pub fn jitter_s(&self) -> Option<f64> {
         self.fit.map(|fit| fit.jitter_s)

@@ -249,6 +249,10 @@ parameters! {
     PreflightDisarmDelay: "COM_DISARM_PRFLT", REAL, |_| 10.0, |_| (-1.0, 3600.0), Effect::LookedUp;
     // As a PX4's simulation has it.
     FailureInjection: "SYS_FAILURE_EN", INT32, |_| 1.0, |_| (0.0, 1.0), Effect::LookedUp;
+    // PX4's own default. Its airframes of fixed wings have 2, which refuses missions that end in the air.
+    MissionRequirements: "MIS_TKO_LAND_REQ", INT32, |_| 0.0, |_| (0.0, 5.0), Effect::LookedUp;
+    FirstWaypointDistance: "MIS_DIST_1WP", REAL, |_| 10_000.0, |_| (-1.0, 100_000.0), Effect::LookedUp;
+    LandingAngle: "FW_LND_ANG", REAL, |_| 5.0, |_| (1.0, 45.0), Effect::LookedUp;
 }
 
 /// ArduPlane's default of TKOFF_ALT, m.

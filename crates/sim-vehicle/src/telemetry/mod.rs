@@ -270,8 +270,11 @@ impl Instruments<'_> {
         let last = mission.len().saturating_sub(1);
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
             seq: progress.told().min(last),
-            // Home is not counted.
-            total: mission.len().saturating_sub(mission.first()),
+            // Home is not counted. A PX4 tells of none that it has none.
+            total: match mission.len().saturating_sub(mission.first()) {
+                0 if self.rules.judges_plans_as_px4 => u16::MAX,
+                total => total,
+            },
             mission_state,
             // An ArduPlane knows only whether it is flown.
             mission_mode: if is_flown { 1 } else { self.rules.mission_mode_suspended },

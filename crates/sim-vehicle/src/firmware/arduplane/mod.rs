@@ -2,6 +2,7 @@
 
 pub(super) mod commands;
 pub(super) mod devices;
+mod kinds;
 pub(super) mod messages;
 pub(super) mod targets;
 
@@ -46,19 +47,21 @@ pub(super) const RULES: Rules = Rules {
     watches_streams: false,
 
     judges_plans_as_px4: false,
+    transfers_plans_as_px4: false,
     first_mission_item: 1,
     resumes_after_upload: true,
     takes_off_before_mission: false,
     return_item_stays_current: true,
     nan_params_are_left_out: false,
-    clears_flown_mission: false,
     upload_can_be_broken_off: false,
     asks_by_old_message: true,
+    tells_next_flown_item: true,
     tells_paused_mission: false,
     mission_mode_suspended: 0,
 
     has_parameter: |parameter: Parameter| !px4::parameters::OWN_PARAMETERS.contains(&parameter),
     parameter: |parameter| (parameter.name(), parameter.kind()),
+    inert_parameter: kinds::of,
     initial_parameters: &[],
     bytewise_parameters: false,
     tells_whole_numbers_as_floats: false,

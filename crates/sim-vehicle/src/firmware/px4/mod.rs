@@ -53,14 +53,14 @@ pub(super) const RULES: Rules = Rules {
     watches_streams: true,
 
     judges_plans_as_px4: true,
+    transfers_plans_as_px4: true,
     first_mission_item: 0,
     resumes_after_upload: false,
     takes_off_before_mission: true,
     return_item_stays_current: false,
     nan_params_are_left_out: true,
-    clears_flown_mission: true,
-    upload_can_be_broken_off: true,
     asks_by_old_message: false,
+    tells_next_flown_item: false,
     tells_paused_mission: true,
     mission_mode_suspended: 2,
 

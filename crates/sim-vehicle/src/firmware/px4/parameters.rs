@@ -14,6 +14,9 @@ pub(in crate::firmware) const OWN_PARAMETERS: &[Parameter] = &[
     Parameter::FailsafeDelay,
     Parameter::PreflightDisarmDelay,
     Parameter::FailureInjection,
+    Parameter::MissionRequirements,
+    Parameter::FirstWaypointDistance,
+    Parameter::LandingAngle,
 ];
 
 /// Parameters that a PX4 has not: its own failsafes and checks stand in for them, its rates are asked for by message,
