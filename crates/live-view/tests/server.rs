@@ -132,8 +132,7 @@ fn a_page_gets_the_scene_the_roster_the_past_and_the_present() {
     feed.tell(Event { text: "the flock flies".into(), weight: Weight::Note, ..Event::default() });
     while !feed.update(flock(5)) {}
     let mut client = Client::open(&view);
-    // The server may have looked before the feed was told: what was there then comes first. In which order the rest comes
-    // depends on that, too.
+    // The server may have looked before the feed was told: then what was there before comes first.
     let mut missing = vec!["\"title\":\"five\"", "\"numbers\":[1,2,3,4,5]", "the flock flies", "five in a frame"];
     while !missing.is_empty() {
         let (kind, bytes) = client.next().expect("the server has hung up");
