@@ -74,7 +74,7 @@ def late_ticks(pages):
     with tempfile.TemporaryDirectory() as folder:
         field = Path(folder) / "field.toml"
         field.write_text(
-            '[scenario]\nname = "late"\nduration_s = 20.0\n[flock]\nexpected_speed_mps = 10.0\nexpected_altitude_m = 50.0\n'
+            '[scenario]\nname = "late"\nduration_s = 12.0\n[flock]\nexpected_speed_mps = 10.0\nexpected_altitude_m = 50.0\n'
             '[vehicles]\ncount = 500\npattern = "grid"\n'
         )
         words = [RELEASE / "columba", "run", field, "--speed", "1", "--no-report", "--out", Path(folder) / "run"]
