@@ -78,22 +78,27 @@ def late_ticks(pages):
             '[vehicles]\ncount = 500\npattern = "grid"\n'
         )
         words = [RELEASE / "columba", "run", field, "--speed", "1", "--no-report", "--out", Path(folder) / "run"]
+        log = Path(folder) / "log.txt"
         run = subprocess.Popen(
-            [*words, "--view"] if pages else words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            [*words, "--view"] if pages else words, stdout=subprocess.DEVNULL, stderr=log.open("w"),
             env={**os.environ, "RUST_LOG": "columba::flying=debug"},
         )
         readers = []
         if pages:
-            address = address_in(run.stderr.readline())
+            while "live view: " not in log.read_text():
+                time.sleep(0.05)
+            address = address_in(log.read_text())
             readers = [stuck(address), *(drained(address) for _ in range(2))]
-        out, errors = run.communicate(timeout=120)
+        run.wait()
+        errors = log.read_text()
         for reader in readers:
             reader.close() if isinstance(reader, socket.socket) else reader.kill()
         # A tick is told when it is over: by then half a second has passed for each before it.
         ticks = [line.split()[0] for line in errors.splitlines() if " tick " in line or "tick=" in line]
         times = [datetime.fromisoformat(time.rstrip("Z")).timestamp() for time in ticks]
         late_ms = sorted(1000 * (time - times[0] - 0.5 * index) for index, time in enumerate(times))
-        earliest = late_ms[0]
+        earliest = late_ms[0] if late_ms else 0.0
+        late_ms = late_ms or [float("nan")]
         name = "with three pages, one of which does not read" if pages else "without a page"
         print(f"run of 500 {name}: {len(times)} ticks, late by {late_ms[len(late_ms) // 2] - earliest:.0f} ms in the median,"
               f" {late_ms[-1] - earliest:.0f} ms at most")
