@@ -1,5 +1,6 @@
 //! One autopilot as the station hears it.
 
+use super::telemetry::Stream;
 use super::track::{Sample, Track};
 use controller::Present;
 use flight_model::{Dynamics, Geodetic, LocalFrame, State, wrap_pi};
@@ -28,8 +29,21 @@ pub struct Route {
 pub struct RouteState {
     /// When a frame of the vehicle last came by it.
     pub heard: Duration,
+    /// Whether what comes by it is taken for the vehicle's own.
+    pub trust: Trust,
     /// The last round trip by it.
     pub round_trip: Option<Duration>,
+}
+
+/// Whether a route leads to the vehicle, or to another autopilot with the same system id.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trust {
+    /// It is the vehicle's: it was there before the take-off, or its positions are the vehicle's.
+    Own,
+    /// It is new in flight: nothing by it is taken before its positions have shown whose it is.
+    New,
+    /// Another autopilot's, by its positions: nothing by it is taken.
+    Other,
 }
 
 /// An order that was given and is not answered yet.
@@ -113,6 +127,8 @@ pub struct Vehicle {
     pub parameters: BTreeMap<String, Option<f64>>,
     /// Orders by their purpose.
     pub orders: BTreeMap<&'static str, Order>,
+    /// What comes of it, by message id.
+    pub streams: BTreeMap<u32, Stream>,
     /// When telemetry was last asked for, and how often.
     pub asked: Option<(Duration, u32)>,
     /// Limits that its parameters set, once they are read.
@@ -121,8 +137,8 @@ pub struct Vehicle {
     pub entered: bool,
     held: Option<Duration>,
     mode_heard: Option<Duration>,
-    /// How often in a row it has refused a setpoint.
-    pub refusals: u32,
+    /// How often in a row it has refused each command of a setpoint.
+    pub refusals: [u32; 3],
     /// Why it is flown no more; it is a neighbour to be avoided then.
     pub released: Option<String>,
     /// Whether the operator keeps it out.
@@ -172,12 +188,13 @@ impl Vehicle {
             texts: VecDeque::new(),
             parameters: BTreeMap::new(),
             orders: BTreeMap::new(),
+            streams: BTreeMap::new(),
             asked: None,
             limits: None,
             entered: false,
             held: None,
             mode_heard: None,
-            refusals: 0,
+            refusals: [0; 3],
             released: None,
             dropped: false,
             dropped_to: AtEnd::Loiter,
@@ -260,7 +277,35 @@ impl Vehicle {
 
     /// The freshest way to it.
     pub fn route(&self) -> Option<Route> {
-        self.routes.iter().max_by_key(|(_, state)| state.heard).map(|(route, _)| *route)
+        let own = self.routes.iter().filter(|(_, state)| state.trust == Trust::Own);
+        own.max_by_key(|(_, state)| state.heard).map(|(route, _)| *route)
+    }
+
+    /// Whether a message that came by a route is the vehicle's own. A second autopilot with the same system id that
+    /// comes up in flight is none of the vehicle: neither its positions nor its modes count. Before the take-off that
+    /// is a fault (`is_doubled`).
+    pub fn owns(&mut self, message: &Message, route: Route, is_flying: bool, now: Duration) -> bool {
+        const SILENT: Duration = Duration::from_millis(1500);
+        let speaks = self.routes.iter().any(|(other, state)| {
+            *other != route && state.trust == Trust::Own && now.saturating_sub(state.heard) < SILENT
+        });
+        // A vehicle that is heard by no other way has a new address, and is itself.
+        let first = if is_flying && speaks { Trust::New } else { Trust::Own };
+        let state = self.routes.entry(route).or_insert(RouteState { heard: now, trust: first, round_trip: None });
+        state.heard = now;
+        let mut trust = if speaks || state.trust == Trust::Other { state.trust } else { Trust::Own };
+        if let Message::GLOBAL_POSITION_INT(data) = message {
+            match (self.contradicts_another_way(data, route, now), is_flying) {
+                (true, false) => self.is_doubled = true,
+                (true, true) if trust == Trust::New => trust = Trust::Other,
+                (false, _) if trust == Trust::New => trust = Trust::Own,
+                _ => {}
+            }
+        }
+        if let Some(state) = self.routes.get_mut(&route) {
+            state.trust = trust;
+        }
+        trust == Trust::Own
     }
 
     /// Age of its last position, s.
@@ -362,7 +407,7 @@ impl Vehicle {
 
     /// Whether a position by one route contradicts the last one by another: two autopilots speak with one system id
     /// then.
-    pub fn contradicts_another_way(&mut self, data: &GLOBAL_POSITION_INT_DATA, route: Route, now: Duration) -> bool {
+    fn contradicts_another_way(&mut self, data: &GLOBAL_POSITION_INT_DATA, route: Route, now: Duration) -> bool {
         let before = self.global_came.replace((route, now));
         let (Some(last), Some((other, heard))) = (&self.global, before) else { return false };
         let since_s = now.saturating_sub(heard).as_secs_f64();
