@@ -4,7 +4,7 @@ use super::file::{AutopilotTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
 use crate::flying::GroundSettings;
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
-use flight_model::{Dynamics, Geodetic, LocalFrame, State};
+use flight_model::{Dynamics, Geodetic, LocalFrame, PlantSettings, State};
 use mavlink_bridge::{ImpairmentSettings, MulticastScope};
 use optimizer::OptimizerSettings;
 use sim_vehicle::{ParameterFile, PortLayout};
@@ -36,8 +36,10 @@ pub struct Scenario {
     pub starts: Vec<State>,
     /// The circles.
     pub obstacles: Vec<Obstacle>,
-    /// How vehicles fly.
+    /// How vehicles fly by Eq. 1: what the controller reckons with.
     pub dynamics: Dynamics,
+    /// How simulated vehicles fly otherwise than by Eq. 1.
+    pub plant: Option<PlantSettings>,
     /// Law, weights and look-ahead.
     pub controller: ControllerSettings,
     /// Who picks the weights, and how.
@@ -118,6 +120,7 @@ impl Scenario {
             }),
             expected,
             dynamics: file.dynamics.dynamics(),
+            plant: provenance.airframe(&file).and_then(Result::ok).and_then(|airframe| airframe.plant),
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,

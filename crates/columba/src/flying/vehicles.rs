@@ -62,6 +62,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         system_id: system_id(index),
         personality: autopilot.personality,
         dynamics: scenario.dynamics,
+        plant: scenario.plant,
         step: scenario.integration_step,
         start: *start,
         frame: scenario.frame,

@@ -122,7 +122,11 @@ impl Instruments<'_> {
     /// The share of the top speed that is flown, 0 to 1; VFR_HUD has it in percent.
     pub(super) fn throttle(&self) -> f64 {
         let top_mps = self.flight.limits().speed_max_mps;
-        if self.flight.is_engine_running() { (self.flight.airspeed_mps() / top_mps).clamp(0.0, 1.0) } else { 0.0 }
+        if self.flight.is_engine_running() {
+            (self.flight.equivalent_airspeed_mps() / top_mps).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
     }
 
     /// The outputs as pulses, microseconds: there are no surfaces, and the throttle is VFR_HUD's.
@@ -367,7 +371,7 @@ impl Instruments<'_> {
             heading: half_degrees(self.flight.heading_rad()),
             target_heading: half_degrees(aim.course_rad),
             throttle: (100.0 * self.throttle()).round() as u8,
-            airspeed: fifths(self.flight.airspeed_mps()),
+            airspeed: fifths(self.flight.equivalent_airspeed_mps()),
             airspeed_sp: fifths(aim.airspeed_mps),
             groundspeed: fifths(state.speed_mps),
             windspeed: fifths(wind.speed_mps()),

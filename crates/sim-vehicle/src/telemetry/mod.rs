@@ -102,7 +102,8 @@ impl Instruments<'_> {
             Stream::VfrHud => {
                 // Throttle is the share of the top speed that is flown.
                 let top_mps = self.flight.limits().speed_max_mps;
-                let share = if self.flight.is_engine_running() { self.flight.airspeed_mps() / top_mps } else { 0.0 };
+                let share =
+                    if self.flight.is_engine_running() { self.flight.equivalent_airspeed_mps() / top_mps } else { 0.0 };
                 let throttle_percent = (100.0 * share).round() as u16;
                 let airspeed_mps = self.readings().airspeed_mps;
                 let altitude_m = origin.altitude_amsl_m + state.altitude_m;
