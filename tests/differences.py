@@ -76,7 +76,7 @@ KNOWN = {
     "MISSION_CLEAR_ALL of type 255 clears everything; ArduPlane says UNSUPPORTED.": {
         "fences": ["all kinds cleared"],
     },
-    "The capabilities are those that are there: no files, terrain, attitudes or calibration, but local setpoints.": {
+    "The capabilities are those that are there: no files, terrain or calibration, but local setpoints.": {
         "connection": ["its capabilities"],
     },
     "WP_RADIUS is 15 m at first.": {

@@ -337,6 +337,25 @@ def test_the_operator_speaks_by_messages_too(start_fly, start_vehicles, field):
     assert run.status == 1 and "aborted by the operator" in run.errors
 
 
+def test_a_pilot_who_takes_over_in_a_pause_keeps_the_vehicle(start_fly, start_vehicles, field):
+    port, scenario = free_port(), field(count=2, duration_s=120)
+    vehicles = start_vehicles(scenario, "--speed", 2, ground_port=port)
+    controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
+    controller.wait_for("the flock flies")
+    controller.say("pause")
+    controller.wait_for("paused by the operator")
+    pilot = vehicles.connect()[1]
+    pilot.set_mode(CRUISE)
+    line = controller.wait_for("is flown no more")
+    assert "vehicle 2" in line and "CRUISE" in line
+    for verb in ("resume", "abort"):
+        controller.say(verb)
+    run = controller.end()
+    assert pilot.mode() == CRUISE, "it is left to the pilot"
+    assert "vehicle 1: was brought" not in run.errors
+    assert [vehicle["mode"] for vehicle in run.summary["station"]["vehicles"]] == ["LOITER", "CRUISE"]
+
+
 def test_a_full_disk_does_not_end_the_flight(start_fly, start_vehicles, field, tmp_path):
     port, scenario = free_port(), field(count=1, duration_s=5)
     folder = tmp_path / "full"

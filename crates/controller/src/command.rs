@@ -1,8 +1,8 @@
 //! Eq. 2: from the control demand to the setpoints of the three autopilots, bounded by what they can fly.
 
 use crate::polynomial::SINCOS_RANGE_RAD;
-use crate::{AltitudeLaw, LawSettings, terms};
-use flight_model::{Dynamics, State};
+use crate::{AltitudeLaw, CourseLaw, LawSettings, terms};
+use flight_model::{Dynamics, Setpoint, State};
 use nalgebra::Vector2;
 
 /// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
@@ -16,6 +16,8 @@ const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
 #[derive(Clone, Copy, Debug)]
 pub struct Commander {
     pub speed_time_constant_s: f64,
+    /// The time constant of the course line.
+    pub turn_time_constant_s: f64,
     pub speed_min_mps: f64,
     pub speed_max_mps: f64,
     /// Greatest course change asked at any speed, rad.
@@ -24,31 +26,42 @@ pub struct Commander {
     pub course_change_speed_max: f64,
     altitude_time_constants_s: (f64, f64),
     printed_altitude: bool,
+    speed_gain: f64,
 }
 
 impl Commander {
     pub fn new(law: &LawSettings, dynamics: &Dynamics, control_period_s: f64) -> Self {
         let (tau, limits) = (dynamics.time_constants, dynamics.limits);
-        let turned = 1.0 - libm::exp(-control_period_s / tau.course_s);
+        // Where the course loop is slower the faster it flies, that of the fastest bounds the turns.
+        let slowest_course_s = dynamics.course_time_constant_s(limits.speed_max_mps);
+        let quickest_course_s = dynamics.course_time_constant_s(limits.speed_min_mps);
+        let turned = 1.0 - libm::exp(-control_period_s / quickest_course_s);
         Self {
             speed_time_constant_s: tau.speed_s,
+            turn_time_constant_s: match law.course_law {
+                CourseLaw::Printed => tau.speed_s,
+                CourseLaw::Own => tau.course_s,
+                CourseLaw::Auto => tau.speed_s.max(tau.course_s),
+            },
             speed_min_mps: limits.speed_min_mps,
             speed_max_mps: limits.speed_max_mps,
             course_change_max_rad: COURSE_CHANGE_MAX_RAD.min(SINCOS_RANGE_RAD / turned),
-            course_change_speed_max: tau.course_s * limits.lateral_acceleration_max_mps2(),
+            course_change_speed_max: slowest_course_s * limits.lateral_acceleration_max_mps2(),
             altitude_time_constants_s: (tau.altitude_a_s, tau.altitude_b_s),
             printed_altitude: match law.altitude_law {
                 AltitudeLaw::Auto => control_period_s <= PRINTED_ALTITUDE_PERIOD_MAX_S,
                 AltitudeLaw::Printed => true,
                 AltitudeLaw::Hold => false,
             },
+            speed_gain: dynamics.response.speed_gain,
         }
     }
 
     /// Speed setpoint (m/s) and course change (rad) for a horizontal demand (m/s2), first two lines of Eq. 2.
     ///
-    /// The course line uses tau_V as printed (reading 4). The demand is bounded to the speeds of the vehicle and to the
-    /// course change whose turn rate it can fly (reading 7), so prediction and vehicle never meet their limits.
+    /// The course line uses tau_V as printed, or tau_phi (reading 4). The demand is bounded to the speeds of the
+    /// vehicle and to the course change whose turn rate it can fly (reading 7), so prediction and vehicle never meet
+    /// their limits.
     pub fn horizontal(&self, demand_mps2: Vector2<f64>, speed_mps: f64, heading: Vector2<f64>) -> (f64, f64) {
         let along_mps2 = demand_mps2.dot(&heading);
         let across_mps2 = heading.perp(&demand_mps2);
@@ -56,7 +69,17 @@ impl Commander {
             (speed_mps + self.speed_time_constant_s * along_mps2).clamp(self.speed_min_mps, self.speed_max_mps);
         let turning_speed_mps = speed_mps.max(self.speed_min_mps);
         let bound_rad = self.course_bound_rad(speed_mps, setpoint_mps);
-        (setpoint_mps, (self.speed_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad))
+        (setpoint_mps, (self.turn_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad))
+    }
+
+    /// The speed setpoint that makes the vehicle settle on a speed, m/s.
+    pub fn asked_mps(&self, speed_mps: f64) -> f64 {
+        speed_mps / self.speed_gain
+    }
+
+    /// The speed on which the vehicle settles with a setpoint, m/s.
+    pub fn speed_mps(&self, setpoint: &Setpoint) -> f64 {
+        setpoint.speed_mps * self.speed_gain
     }
 
     /// Greatest course change that the vehicle can follow below its limit of turn rate, rad; the faster it is or gets
@@ -126,6 +149,19 @@ mod tests {
         let (speed_mps, change_rad) = commander.horizontal(Vector2::new(1e5, 1e5), 10.0, Vector2::new(1.0, 0.0));
         assert_eq!(speed_mps, 15.0);
         assert!(change_rad > 2.0 && change_rad < std::f64::consts::PI);
+    }
+
+    #[test]
+    fn a_vehicle_that_turns_more_slowly_than_it_speeds_up_is_turned_with_its_own_constant() {
+        let mut dynamics = Dynamics::default();
+        dynamics.time_constants.course_s = 3.0;
+        let change_rad = |course_law: CourseLaw, dynamics: &Dynamics| {
+            let law = LawSettings { course_law, ..LawSettings::default() };
+            Commander::new(&law, dynamics, 0.5).horizontal(Vector2::new(0.5, 2.0), 8.0, Vector2::new(1.0, 0.0)).1
+        };
+        assert_eq!(change_rad(CourseLaw::Auto, &dynamics), 3.0 * 2.0 / 8.0);
+        assert_eq!(change_rad(CourseLaw::Printed, &dynamics), 1.0 * 2.0 / 8.0);
+        assert_eq!(change_rad(CourseLaw::Own, &Dynamics::default()), 0.75 * 2.0 / 8.0);
     }
 
     #[test]

@@ -30,8 +30,8 @@ pub struct FlockSettings {
     pub expected: Expected,
     /// What it is to avoid.
     pub obstacles: Vec<Obstacle>,
-    /// How its vehicles fly.
-    pub dynamics: Dynamics,
+    /// How its vehicles fly: one entry for each, or a single one for all.
+    pub dynamics: Vec<Dynamics>,
 }
 
 impl FlockSettings {
@@ -44,7 +44,7 @@ impl FlockSettings {
             control_period_s: 0.5,
             expected,
             obstacles: Vec::new(),
-            dynamics: Dynamics::default(),
+            dynamics: vec![Dynamics::default()],
         }
     }
 }
@@ -53,19 +53,34 @@ impl FlockSettings {
     /// Every setting that is out of its range, except those of the optimiser. The limits of the vehicles must only be
     /// in order: a real vehicle may allow less than the ranges of a scenario file.
     pub fn check(&self) -> Vec<RangeError> {
-        let limits = self.dynamics.limits;
         let mut ranges = Ranges::default();
         ranges.within("control_period_s", self.control_period_s, 0.001, 10.0);
-        ranges.within("expected.speed_mps", self.expected.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
+        for dynamics in &self.dynamics {
+            let limits = dynamics.limits;
+            ranges.within("expected.speed_mps", self.expected.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
+        }
         ranges.extend(self.controller.law.check());
         ranges.extend(self.controller.weights.check());
         ranges.extend(self.controller.look_ahead.check());
-        ranges.extend(self.dynamics.time_constants.check());
-        ranges.within("speed_min_mps", limits.speed_min_mps, 0.0, f64::INFINITY);
-        ranges.within("speed_max_mps", limits.speed_max_mps, limits.speed_min_mps, f64::INFINITY);
-        ranges.within("climb_min_mps", limits.climb_min_mps, f64::NEG_INFINITY, 0.0);
-        ranges.within("climb_max_mps", limits.climb_max_mps, 0.0, f64::INFINITY);
+        for Dynamics { time_constants, limits, response } in &self.dynamics {
+            ranges.extend(time_constants.check());
+            ranges.within("speed_min_mps", limits.speed_min_mps, 0.0, f64::INFINITY);
+            ranges.within("speed_max_mps", limits.speed_max_mps, limits.speed_min_mps, f64::INFINITY);
+            ranges.within("climb_min_mps", limits.climb_min_mps, f64::NEG_INFINITY, 0.0);
+            ranges.within("climb_max_mps", limits.climb_max_mps, 0.0, f64::INFINITY);
+            ranges.extend(response.check());
+        }
         ranges.errors()
+    }
+
+    /// How a vehicle flies.
+    pub fn dynamics_of(&self, vehicle: usize) -> Dynamics {
+        self.dynamics.get(vehicle).or(self.dynamics.first()).copied().unwrap_or_default()
+    }
+
+    /// The speed that the fastest of its vehicles reaches, m/s.
+    pub fn speed_max_mps(&self) -> f64 {
+        self.dynamics.iter().map(|dynamics| dynamics.limits.speed_max_mps).fold(0.0, f64::max)
     }
 }
 
@@ -75,6 +90,14 @@ pub enum FlockError {
     /// A setting of the flock is out of its range.
     #[error("{0}")]
     Setting(RangeError),
+    /// There is neither one set of dynamics for all vehicles nor one for each.
+    #[error("{given} sets of dynamics for {vehicles} vehicles: one for each is needed, or one for all")]
+    Dynamics {
+        /// How many there are.
+        given: usize,
+        /// For how many vehicles.
+        vehicles: usize,
+    },
     /// A setting of the optimiser is out of its range.
     #[error(transparent)]
     Optimizer(#[from] optimizer::SettingsError),

@@ -1,11 +1,10 @@
 //! Algorithm 2: the flock's tick, for every vehicle at once.
 
-use crate::command::Commander;
-use crate::forecast::{Forecast, LawContext};
+use crate::forecast::{Craft, Forecast, LawContext};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
 use crate::{Decision, FlockError, FlockSettings, ForecastKind, Obstacle};
-use flight_model::{Autopilot, State};
+use flight_model::State;
 use rayon::prelude::*;
 use std::time::Duration;
 
@@ -18,8 +17,7 @@ pub struct Flock {
     neighbours: Neighbours,
     forecast: Forecast,
     decisions: Vec<Decision>,
-    commander: Commander,
-    half_period: Autopilot,
+    crafts: Vec<Craft>,
 }
 
 impl Flock {
@@ -31,10 +29,17 @@ impl Flock {
         if let Some(error) = settings.check().into_iter().next() {
             return Err(FlockError::Setting(error));
         }
-        let pilots = (0..vehicles).map(|_| Pilot::new(&settings)).collect::<Result<_, optimizer::SettingsError>>()?;
+        let given = settings.dynamics.len();
+        if given != 1 && given != vehicles {
+            return Err(FlockError::Dynamics { given, vehicles });
+        }
+        let pilots = (0..vehicles)
+            .map(|vehicle| Pilot::new(&settings, vehicle))
+            .collect::<Result<_, optimizer::SettingsError>>()?;
+        let craft =
+            |vehicle| Craft::new(&settings.controller.law, &settings.dynamics_of(vehicle), settings.control_period_s);
         Ok(Self {
-            half_period: Autopilot::new(&settings.dynamics, 0.5 * settings.control_period_s),
-            commander: Commander::new(&settings.controller.law, &settings.dynamics, settings.control_period_s),
+            crafts: (0..vehicles).map(craft).collect(),
             settings,
             pilots,
             neighbours: Neighbours::default(),
@@ -127,7 +132,7 @@ impl Flock {
             ForecastKind::Straight => self.forecast.extrapolate(states, steps, settings.control_period_s),
             ForecastKind::Law => {
                 let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |last| last.weights);
-                let context = context(settings, &self.commander, &self.half_period);
+                let context = context(settings, &self.crafts);
                 self.forecast.fly_the_law(&context, states, weights, |_| None, steps);
             }
         }
@@ -139,7 +144,7 @@ impl Flock {
     fn deconflict(&mut self, states: &[State]) {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);
-        let context = context(settings, &self.commander, &self.half_period);
+        let context = context(settings, &self.crafts);
         let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |decision| decision.weights);
         let first = |vehicle: usize| self.decisions.get(vehicle).map(|decision| decision.setpoint);
         self.forecast.fly_the_law(&context, states, weights, first, steps);
@@ -153,13 +158,12 @@ impl Flock {
     }
 }
 
-fn context<'a>(settings: &'a FlockSettings, commander: &'a Commander, half_period: &'a Autopilot) -> LawContext<'a> {
+fn context<'a>(settings: &'a FlockSettings, crafts: &'a [Craft]) -> LawContext<'a> {
     LawContext {
         law: &settings.controller.law,
         expected: &settings.expected,
-        commander,
+        crafts,
         obstacles: &settings.obstacles,
-        half_period,
         neighbours_max: settings.controller.look_ahead.neighbours_max,
     }
 }

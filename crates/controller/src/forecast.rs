@@ -5,7 +5,7 @@ use crate::law::command;
 use crate::neighbours::Neighbours;
 use crate::terms::Neighbour;
 use crate::{Expected, LawSettings, Obstacle};
-use flight_model::{Autopilot, Setpoint, State};
+use flight_model::{Autopilot, Dynamics, Setpoint, State};
 use nalgebra::Vector2;
 
 /// A vehicle at one instant of a forecast.
@@ -33,20 +33,41 @@ pub struct Forecast {
     near: Vec<Neighbour>,
 }
 
-/// What the flocking law needs besides the states: the same for every vehicle of the flock.
+/// One vehicle as the forecast flies it.
+#[derive(Clone, Copy, Debug)]
+pub struct Craft {
+    commander: Commander,
+    /// The vehicle model at half a control period.
+    half_period: Autopilot,
+}
+
+/// What the flocking law needs besides the states.
 pub struct LawContext<'a> {
     pub law: &'a LawSettings,
     pub expected: &'a Expected,
-    pub commander: &'a Commander,
+    /// The vehicles; states beyond their number are flown as the first one.
+    pub crafts: &'a [Craft],
     pub obstacles: &'a [Obstacle],
-    /// The vehicle model at half a control period.
-    pub half_period: &'a Autopilot,
     pub neighbours_max: usize,
 }
 
+impl Craft {
+    pub fn new(law: &LawSettings, dynamics: &Dynamics, control_period_s: f64) -> Self {
+        Self {
+            commander: Commander::new(law, dynamics, control_period_s),
+            half_period: Autopilot::new(dynamics, 0.5 * control_period_s),
+        }
+    }
+}
+
 impl LawContext<'_> {
-    fn setpoint(&self, state: &State, neighbours: &[Neighbour], weights: [f64; 3]) -> Setpoint {
-        command(self.law, self.expected, self.commander, state, neighbours, self.obstacles, weights)
+    fn setpoint(&self, craft: &Craft, state: &State, neighbours: &[Neighbour], weights: [f64; 3]) -> Setpoint {
+        command(self.law, self.expected, &craft.commander, state, neighbours, self.obstacles, weights)
+    }
+
+    /// A vehicle; none in a flock of none.
+    fn craft(&self, vehicle: usize) -> Option<&Craft> {
+        self.crafts.get(vehicle).or(self.crafts.first())
     }
 }
 
@@ -90,18 +111,19 @@ impl Forecast {
             self.index.update(&self.now);
             self.next.clear();
             for (vehicle, state) in self.now.iter().enumerate() {
+                let Some(craft) = context.craft(vehicle) else { continue };
                 let setpoint = match first(vehicle).filter(|_| step == 0) {
                     Some(first) => first,
                     None => {
                         self.index.nearest(&self.now, vehicle, range_m, context.neighbours_max, &mut self.found);
                         self.near.clear();
                         self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
-                        context.setpoint(state, &self.near, weights(vehicle))
+                        context.setpoint(craft, state, &self.near, weights(vehicle))
                     }
                 };
-                let middle = context.half_period.step(state, &setpoint);
+                let middle = craft.half_period.step(state, &setpoint);
                 self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
-                self.next.push(context.half_period.step(&middle, &setpoint));
+                self.next.push(craft.half_period.step(&middle, &setpoint));
             }
             std::mem::swap(&mut self.now, &mut self.next);
         }
@@ -116,6 +138,7 @@ impl Forecast {
         first: Setpoint,
         weights: [f64; 3],
     ) {
+        let Some(craft) = context.craft(vehicle) else { return };
         let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
         let (mut state, mut setpoint) = (*start, first);
         for step in 0..self.instants / 2 {
@@ -130,10 +153,10 @@ impl Forecast {
                         });
                     }
                 }
-                setpoint = context.setpoint(&state, &self.near, weights);
+                setpoint = context.setpoint(craft, &state, &self.near, weights);
             }
-            let middle = context.half_period.step(&state, &setpoint);
-            state = context.half_period.step(&middle, &setpoint);
+            let middle = craft.half_period.step(&state, &setpoint);
+            state = craft.half_period.step(&middle, &setpoint);
             self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
             self.passages[vehicle * self.instants + 2 * step + 2] = Passage::of(&state);
         }

@@ -26,7 +26,7 @@ pub fn command(
         + terms::velocity_consensus(law, position_m, velocity_mps, neighbours) * alpha_nv;
     let (speed_mps, course_change_rad) = commander.horizontal(demand_mps2, state.speed_mps, heading);
     Setpoint {
-        speed_mps,
+        speed_mps: commander.asked_mps(speed_mps),
         course_rad: wrap_pi(state.course_rad + course_change_rad),
         altitude_m: commander.altitude_m(law, expected.altitude_m, state),
     }

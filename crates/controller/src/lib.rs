@@ -40,6 +40,6 @@ pub use decision::{Decision, FlockError, FlockSettings};
 pub use field::{Expected, Obstacle};
 pub use flock::Flock;
 pub use settings::{
-    AltitudeLaw, ControllerSettings, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
+    AltitudeLaw, ControllerSettings, CourseLaw, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
     WeightSettings,
 };

@@ -47,16 +47,17 @@ struct Sight {
 }
 
 impl Pilot {
-    pub fn new(settings: &FlockSettings) -> Result<Self, SettingsError> {
-        let FlockSettings { controller, dynamics, control_period_s, .. } = settings;
+    pub fn new(settings: &FlockSettings, vehicle: usize) -> Result<Self, SettingsError> {
+        let FlockSettings { controller, control_period_s, .. } = settings;
+        let dynamics = settings.dynamics_of(vehicle);
         let bounds = Bounds { lower: controller.weights.min, upper: controller.weights.max };
         let dimensions = match controller.weights.kind {
             WeightKind::Shared => 1,
             WeightKind::PerTerm => 3,
         };
         Ok(Self {
-            look_ahead: LookAhead::new(&controller.law, &controller.look_ahead, dynamics, *control_period_s),
-            commander: Commander::new(&controller.law, dynamics, *control_period_s),
+            look_ahead: LookAhead::new(&controller.law, &controller.look_ahead, &dynamics, *control_period_s),
+            commander: Commander::new(&controller.law, &dynamics, *control_period_s),
             optimizer: settings.optimizer.build()?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
@@ -115,14 +116,16 @@ impl Pilot {
     }
 
     fn evade(&mut self, settings: &FlockSettings, state: State, decision: Decision) -> Decision {
-        let present = (decision.setpoint.speed_mps, wrap_pi(decision.setpoint.course_rad - state.course_rad));
+        let present =
+            (self.commander.speed_mps(&decision.setpoint), wrap_pi(decision.setpoint.course_rad - state.course_rad));
         let scene = self.sight.scene(settings, state);
         let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, &mut self.rollout);
         if (evasion.speed_setpoint_mps, evasion.course_change_rad) == present {
             return Decision { feasible: evasion.violation_m <= 0.0, ..decision };
         }
         let course_rad = wrap_pi(state.course_rad + evasion.course_change_rad);
-        let setpoint = Setpoint { speed_mps: evasion.speed_setpoint_mps, course_rad, ..decision.setpoint };
+        let speed_mps = self.commander.asked_mps(evasion.speed_setpoint_mps);
+        let setpoint = Setpoint { speed_mps, course_rad, ..decision.setpoint };
         Decision { setpoint, feasible: evasion.violation_m <= 0.0, ..decision }
     }
 }
@@ -156,7 +159,7 @@ impl Sight {
         let (law, look_ahead) = (&settings.controller.law, &settings.controller.look_ahead);
         let state = &around.states[vehicle];
         let horizon_s = look_ahead.steps(settings.control_period_s) as f64 * settings.control_period_s;
-        let reach_m = horizon_s * settings.dynamics.limits.speed_max_mps;
+        let reach_m = horizon_s * settings.speed_max_mps();
         let range_m = law.communication_distance_m.max(look_ahead.separation_m) + reach_m;
         around.neighbours.nearest(around.states, vehicle, range_m, look_ahead.neighbours_max, &mut self.found);
         self.neighbours.clear();

@@ -297,12 +297,12 @@ impl Rollout {
             let across = demand_y * cos - demand_x * sin;
             let slowest = commander.speed_min_mps;
             let turning_speed = if speed > slowest { speed } else { slowest };
-            let tau_s = commander.speed_time_constant_s;
+            let (tau_s, turn_s) = (commander.speed_time_constant_s, commander.turn_time_constant_s);
             let setpoint = clamp(speed + tau_s * along, slowest, commander.speed_max_mps);
             let fastest = if setpoint > turning_speed { setpoint } else { turning_speed };
             let bound = commander.course_change_speed_max / fastest;
             let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
-            self.course_change[i] = clamp(tau_s * across / turning_speed, -bound, bound);
+            self.course_change[i] = clamp(turn_s * across / turning_speed, -bound, bound);
             self.speed_setpoint[i] = setpoint;
         }
     }

@@ -53,6 +53,8 @@ pub struct LawSettings {
     pub velocity_cost_s: f64,
     /// How altitude is commanded (reading 5).
     pub altitude_law: AltitudeLaw,
+    /// Which time constant turns (reading 4).
+    pub course_law: CourseLaw,
 }
 
 /// Which obstacle gives the desired avoidance course delta of Eq. 7 (reading 8).
@@ -75,6 +77,19 @@ pub enum AltitudeLaw {
     Printed,
     /// h_e is the setpoint of the altitude-hold loop, which settles at any control period.
     Hold,
+}
+
+/// The time constant of the course line of Eq. 2 (reading 4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CourseLaw {
+    /// The greater of tau_V and tau_phi: as printed for vehicles that turn as quickly as the paper's, and enough for
+    /// those that turn slowly.
+    Auto,
+    /// tau_V, as printed.
+    Printed,
+    /// tau_phi: the lateral acceleration that is flown is the one that is asked for.
+    Own,
 }
 
 /// The weight factor alpha of Eq. 5, 7, 8 (reading 9).
@@ -148,6 +163,7 @@ impl Default for LawSettings {
             influence_factor: 1.0,
             velocity_cost_s: 0.25,
             altitude_law: AltitudeLaw::Auto,
+            course_law: CourseLaw::Auto,
         }
     }
 }
@@ -236,6 +252,7 @@ impl ControllerSettings {
         let mut settings = Self::default();
         settings.law.obstacle_margin_m = 3.0;
         settings.law.velocity_cost_s = 0.0;
+        settings.law.course_law = CourseLaw::Printed;
         settings.weights = WeightSettings { kind: WeightKind::Shared, min: 0.0, ..settings.weights };
         settings.look_ahead.forecast = ForecastKind::Straight;
         settings.look_ahead.evasion = false;

@@ -82,11 +82,11 @@ fn settings_out_of_range_are_refused_with_their_name() {
     assert_eq!(name(|settings| settings.expected.speed_mps = f64::NAN), "expected.speed_mps");
     assert_eq!(name(|settings| settings.controller.look_ahead.horizon_s = f64::INFINITY), "horizon_s");
     assert_eq!(name(|settings| settings.controller.weights.max = -1.0), "max");
-    assert_eq!(name(|settings| settings.dynamics.time_constants.speed_s = 0.0), "speed_time_constant_s");
-    assert_eq!(name(|settings| settings.dynamics.limits.climb_max_mps = f64::NAN), "climb_max_mps");
+    assert_eq!(name(|settings| settings.dynamics[0].time_constants.speed_s = 0.0), "speed_time_constant_s");
+    assert_eq!(name(|settings| settings.dynamics[0].limits.climb_max_mps = f64::NAN), "climb_max_mps");
     // Vehicles that fly at one speed alone, and hardly bank.
     let narrow = refused(|settings| {
-        let limits = &mut settings.dynamics.limits;
+        let limits = &mut settings.dynamics[0].limits;
         (limits.speed_min_mps, limits.speed_max_mps, limits.lateral_overload_max) = (10.0, 10.0, 0.01);
     });
     assert_eq!(narrow, None);

@@ -159,7 +159,7 @@ impl Scenario {
             control_period_s: self.control_period.as_secs_f64(),
             expected: self.expected,
             obstacles: self.obstacles.clone(),
-            dynamics: self.dynamics,
+            dynamics: vec![self.dynamics],
         }
     }
 }

@@ -26,7 +26,7 @@ impl TakeOff {
         if station.stopped().is_some() {
             return Phase::End(Box::new(end::End::new(None, now)));
         }
-        station.watch_modes(now);
+        station.watch_modes(false, now);
         for index in station.crew() {
             if !station.vehicles[index].is_ours() {
                 self.gather.leave(index);

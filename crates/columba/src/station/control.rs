@@ -102,11 +102,12 @@ impl Station {
     }
 
     /// Looks at modes and at what is heard. Whose mode others have changed is released: named, commanded no more, and
-    /// from now on a neighbour to be avoided.
-    pub fn watch_modes(&mut self, now: Duration) {
+    /// from now on a neighbour to be avoided. While the flight is paused, a vehicle may hold.
+    pub fn watch_modes(&mut self, may_hold: bool, now: Duration) {
         for index in self.crew() {
             let vehicle = &self.vehicles[index];
-            if vehicle.is_ours() && vehicle.entered && !vehicle.follows() {
+            let is_as_told = vehicle.follows() || (may_hold && vehicle.holds());
+            if vehicle.is_ours() && vehicle.entered && !is_as_told {
                 let mode = vehicle.mode_name();
                 let why = if vehicle.critical { "by a failsafe, it says" } else { "by others" };
                 let text = format!("was brought into {mode} {why}: it is flown no more");

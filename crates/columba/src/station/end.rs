@@ -75,7 +75,7 @@ impl End {
     fn spread(&mut self, station: &mut Station, now: Duration) -> bool {
         let at_end = station.settings.at_end;
         let Some(fly) = self.fly.as_mut().filter(|_| at_end != AtEnd::Continue) else { return false };
-        station.watch_modes(now);
+        station.watch_modes(fly.is_paused(), now);
         let planes: Vec<usize> = station
             .crew()
             .filter(|&index| {

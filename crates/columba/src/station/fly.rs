@@ -97,15 +97,13 @@ impl Fly {
         self.judge.recent_m()
     }
 
-    /// Whether the operator has paused it.
+    /// Whether the operator has paused it, and not all vehicles follow again.
     pub fn is_paused(&self) -> bool {
-        self.paused
+        self.paused || self.resuming
     }
 
     pub(super) fn step(mut self: Box<Self>, station: &mut Station, now: Duration) -> Phase {
-        if !self.paused && !self.resuming {
-            station.watch_modes(now);
-        }
+        station.watch_modes(self.is_paused(), now);
         self.obey(station, now);
         let is_over = self.tick >= station.scenario.ticks() && now >= self.next;
         let nobody = station.crew().all(|index| !station.vehicles[index].is_ours());
@@ -299,9 +297,10 @@ impl Fly {
                 if let Some(mode) = driver.end_mode(AtEnd::Loiter) {
                     let message = driver.set_mode(vehicle.target, mode);
                     station.order(index, "hold", message, now);
+                    station.vehicles[index].was_told_to_hold(now);
                 }
             } else if vehicle.is_ours() && !vehicle.entered && !self.paused && !vehicle.on_ground() {
-                if vehicle.follows() {
+                if vehicle.follows_for_good() {
                     station.vehicles[index].entered = true;
                 } else {
                     station.order(index, "take over", driver.take_over(vehicle.target), now);
@@ -316,7 +315,7 @@ impl Fly {
         for index in station.crew() {
             let vehicle = &station.vehicles[index];
             let Some(driver) = vehicle.driver().cloned().filter(|_| vehicle.is_ours()) else { continue };
-            if !vehicle.follows() {
+            if !vehicle.follows_for_good() {
                 all = false;
                 if let Some(state) = station.state_now(index, now).filter(|_| driver.repeat_every().is_some()) {
                     station.steer(index, &state.hold(), now);
@@ -334,7 +333,8 @@ impl Fly {
 /// What the flock is to know, with the limits that the vehicles allow.
 fn settings(station: &Station) -> FlockSettings {
     let settings = station.scenario.flock_settings();
-    FlockSettings { dynamics: Dynamics { limits: station.limits, ..settings.dynamics }, ..settings }
+    let limited = |dynamics: &Dynamics| Dynamics { limits: station.limits, ..*dynamics };
+    FlockSettings { dynamics: settings.dynamics.iter().map(limited).collect(), ..settings }
 }
 
 /// Vehicles in the air that are no members, as circles that the flock keeps out of: along their way over the look-ahead

@@ -29,7 +29,7 @@ impl GatherPhase {
         if station.stopped().is_some() {
             return Phase::End(Box::new(end::End::new(None, now)));
         }
-        station.watch_modes(now);
+        station.watch_modes(false, now);
         let ours: Vec<usize> = station.crew().filter(|&index| station.vehicles[index].is_ours()).collect();
         for index in station.crew().filter(|index| !ours.contains(index)) {
             self.gather.leave(index);

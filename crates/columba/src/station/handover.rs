@@ -24,7 +24,7 @@ impl HandOver {
         if station.stopped().is_some() {
             return Phase::End(Box::new(end::End::new(None, now)));
         }
-        station.watch_modes(now);
+        station.watch_modes(false, now);
         let mut waiting = Vec::new();
         let ours: Vec<usize> = station.crew().filter(|&index| station.vehicles[index].is_ours()).collect();
         for &index in &ours {

@@ -8,7 +8,7 @@ use mavlink_bridge::dialect::{
     GPS_GLOBAL_ORIGIN_DATA, HEARTBEAT_DATA, HOME_POSITION_DATA, LOCAL_POSITION_NED_DATA, MavLandedState, MavModeFlag,
     MavState, MavSysStatusSensor, Message, PARAM_VALUE_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
 };
-use mavlink_bridge::kind::{AutopilotKind, Driver, Seen, SoftwareVersion, UnflyableKind, VehicleLimits};
+use mavlink_bridge::kind::{AtEnd, AutopilotKind, Driver, Seen, SoftwareVersion, UnflyableKind, VehicleLimits};
 use mavlink_bridge::link::{Peer, VehicleClock};
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -46,6 +46,8 @@ pub struct Order {
     pub message: Message,
 }
 
+/// An order to hold has reached the vehicle, or never will, after this.
+const HOLD_SETTLES: Duration = Duration::from_secs(1);
 /// Speed of the slow estimate of wind along the way, s.
 const AIRSPEED_TIME_CONSTANT_S: f64 = 8.0;
 /// Words of a vehicle are remembered for so long.
@@ -114,6 +116,8 @@ pub struct Vehicle {
     pub limits: Option<VehicleLimits>,
     /// Whether it has been in the mode in which it follows our setpoints.
     pub entered: bool,
+    held: Option<Duration>,
+    mode_heard: Option<Duration>,
     /// How often in a row it has refused a setpoint.
     pub refusals: u32,
     /// Why it is flown no more; it is a neighbour to be avoided then.
@@ -165,6 +169,8 @@ impl Vehicle {
             asked: None,
             limits: None,
             entered: false,
+            held: None,
+            mode_heard: None,
             refusals: 0,
             released: None,
             dropped: false,
@@ -193,6 +199,27 @@ impl Vehicle {
     /// Whether it is in the mode in which it follows setpoints.
     pub fn follows(&self) -> bool {
         self.driver().is_some_and(|driver| driver.follows_setpoints(self.custom_mode))
+    }
+
+    /// Whether it is in the mode in which it holds where it is.
+    pub fn holds(&self) -> bool {
+        self.driver().is_some_and(|driver| driver.end_mode(AtEnd::Loiter) == Some(self.custom_mode))
+    }
+
+    /// Notes that it was told to hold.
+    pub fn was_told_to_hold(&mut self, now: Duration) {
+        self.held = Some(now);
+    }
+
+    /// Whether it follows setpoints, and no order to hold that is still under way can change that: its mode was heard
+    /// well after the last such order.
+    pub fn follows_for_good(&self) -> bool {
+        let is_settled = match (self.held, self.mode_heard) {
+            (None, _) => true,
+            (Some(held), Some(heard)) => heard >= held + HOLD_SETTLES,
+            (Some(_), None) => false,
+        };
+        self.follows() && is_settled
     }
 
     /// The autopilot's own name of its mode.
@@ -243,7 +270,7 @@ impl Vehicle {
     pub fn hear(&mut self, message: &Message, now: Duration, frame: &LocalFrame) -> bool {
         match message {
             Message::HEARTBEAT(data) => self.hear_heartbeat(data, now),
-            Message::CURRENT_MODE(data) => self.custom_mode = data.custom_mode,
+            Message::CURRENT_MODE(data) => self.hear_mode(data.custom_mode, now),
             Message::AUTOPILOT_VERSION(data) => self.hear_version(data),
             Message::GLOBAL_POSITION_INT(data) => return self.hear_global(data, now, frame),
             Message::LOCAL_POSITION_NED(data) => self.hear_local(data),
@@ -262,11 +289,16 @@ impl Vehicle {
         false
     }
 
+    fn hear_mode(&mut self, custom_mode: u32, now: Duration) {
+        self.custom_mode = custom_mode;
+        self.mode_heard = Some(now);
+    }
+
     fn hear_heartbeat(&mut self, data: &HEARTBEAT_DATA, now: Duration) {
         self.first_heartbeat.get_or_insert(now);
         self.heartbeat = Some(now);
         self.armed = data.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
-        self.custom_mode = data.custom_mode;
+        self.hear_mode(data.custom_mode, now);
         self.critical = matches!(data.system_status, MavState::MAV_STATE_CRITICAL | MavState::MAV_STATE_EMERGENCY);
         if self.driver.is_none() {
             self.driver = Some(Driver::for_autopilot(data.autopilot, data.mavtype, self.version));
@@ -443,5 +475,37 @@ fn geodetic(latitude: i32, longitude: i32, altitude_mm: i32) -> Geodetic {
         latitude_deg: f64::from(latitude) * 1e-7,
         longitude_deg: f64::from(longitude) * 1e-7,
         altitude_amsl_m: f64::from(altitude_mm) * 1e-3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavlink_bridge::dialect::{MavAutopilot, MavType};
+
+    #[test]
+    fn a_mode_heard_before_an_order_to_hold_arrived_proves_nothing() {
+        let guided = |vehicle: &mut Vehicle, at_s: f64| {
+            let heartbeat = HEARTBEAT_DATA {
+                custom_mode: 15,
+                autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+                mavtype: MavType::MAV_TYPE_FIXED_WING,
+                ..HEARTBEAT_DATA::DEFAULT
+            };
+            vehicle.hear(
+                &Message::HEARTBEAT(heartbeat),
+                Duration::from_secs_f64(at_s),
+                &LocalFrame::new(Geodetic { latitude_deg: 39.98, longitude_deg: 116.34, altitude_amsl_m: 50.0 }),
+            );
+        };
+        let mut vehicle = Vehicle::new(1, 1);
+        guided(&mut vehicle, 10.0);
+        assert!(vehicle.follows_for_good());
+        vehicle.was_told_to_hold(Duration::from_secs_f64(10.1));
+        assert!(vehicle.follows() && !vehicle.follows_for_good());
+        guided(&mut vehicle, 10.9);
+        assert!(!vehicle.follows_for_good());
+        guided(&mut vehicle, 11.2);
+        assert!(vehicle.follows_for_good());
     }
 }

@@ -24,6 +24,8 @@ pub struct LookAhead {
     clearance_m: f64,
     steps: usize,
     step: Step,
+    /// Where the course loop is slower the faster the vehicle flies.
+    growing: Option<Dynamics>,
 }
 
 /// A command for each pigeon of a batch.
@@ -63,7 +65,6 @@ pub struct WeightProblem<'a> {
 impl LookAhead {
     pub fn new(law: &LawSettings, look_ahead: &LookAheadSettings, dynamics: &Dynamics, period_s: f64) -> Self {
         let tau = dynamics.time_constants;
-        let decays = |tau_s: f64| [0.5, 1.0].map(|part| libm::exp(-part * period_s / tau_s));
         Self {
             law: law.clone(),
             commander: Commander::new(law, dynamics, period_s),
@@ -72,9 +73,21 @@ impl LookAhead {
             steps: look_ahead.steps(period_s),
             step: Step {
                 period_s,
-                speed_decay: decays(tau.speed_s),
-                course_gain: decays(tau.course_s).map(|decay| 1.0 - decay),
+                speed_decay: decays(period_s, tau.speed_s),
+                course_gain: decays(period_s, tau.course_s).map(|decay| 1.0 - decay),
             },
+            growing: dynamics.response.course_reference_speed_mps.map(|_| *dynamics),
+        }
+    }
+
+    /// One control period of the vehicle model from a speed: over a look-ahead it changes little.
+    fn step_from(&self, speed_mps: f64) -> Step {
+        match &self.growing {
+            None => self.step,
+            Some(dynamics) => {
+                let tau_s = dynamics.course_time_constant_s(speed_mps);
+                Step { course_gain: decays(self.step.period_s, tau_s).map(|decay| 1.0 - decay), ..self.step }
+            }
         }
     }
 
@@ -106,6 +119,7 @@ impl LookAhead {
         let expected = &scene.expected;
         let ahead = expected.direction();
         rollout.start(&scene.state, pigeons);
+        let vehicle = self.step_from(scene.state.speed_mps);
         let mut here = rollout.extent();
         for k in 0..=self.steps {
             rollout.clear_terms();
@@ -130,7 +144,7 @@ impl LookAhead {
                 Some(first) if k == 0 => rollout.follow(&first.speed_setpoint_mps, &first.course_change_rad),
                 _ => rollout.follow_law(&self.commander, law, expected, weights),
             }
-            rollout.advance(&self.step);
+            rollout.advance(&vehicle);
             rollout.add_progress(law, expected, scene.detected);
         }
     }
@@ -172,6 +186,11 @@ impl LookAhead {
             }
         }
     }
+}
+
+/// What is left of an error after half a period and a whole one.
+fn decays(period_s: f64, tau_s: f64) -> [f64; 2] {
+    [0.5, 1.0].map(|part| libm::exp(-part * period_s / tau_s))
 }
 
 impl Problem for WeightProblem<'_> {

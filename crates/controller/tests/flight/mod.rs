@@ -65,7 +65,7 @@ pub struct Flown {
 
 pub fn fly(settings: &FlockSettings, starts: &[State], ticks: u64) -> Flown {
     let mut flock = Flock::new(settings.clone(), starts.len()).expect("valid settings");
-    let autopilot = Autopilot::new(&settings.dynamics, STEP_S);
+    let autopilot = Autopilot::new(&settings.dynamics_of(0), STEP_S);
     let steps = (settings.control_period_s / STEP_S).round() as usize;
     let mut flown = Flown {
         min_separation_m: f64::INFINITY,

@@ -122,11 +122,16 @@ impl CourseLoop {
         self.bank.value
     }
 
-    /// One step with a course error in rad at a true airspeed in m/s; gives the turn, rad.
-    pub fn step(&mut self, error_rad: f64, speed_mps: f64, limits: &Limits) -> f64 {
+    /// The bank that is asked for by a course error, both in rad.
+    pub fn wanted_bank_rad(&self, error_rad: f64) -> f64 {
+        self.settings.bank_per_error * error_rad
+    }
+
+    /// One step with a bank that is asked for, rad, at a true airspeed in m/s; gives the turn, rad.
+    pub fn step(&mut self, bank_rad: f64, speed_mps: f64, limits: &Limits) -> f64 {
         let settings = &self.settings;
         let limit_rad = libm::atan(limits.lateral_overload_max);
-        let wanted_rad = (settings.bank_per_error * error_rad).clamp(-limit_rad, limit_rad);
+        let wanted_rad = bank_rad.clamp(-limit_rad, limit_rad);
         self.bank.step(wanted_rad);
         self.bank.stop_at((limit_rad + OVERSHOOT_MAX_RAD).min(BANK_MAX_RAD));
         let bank_rad = self.bank.value;

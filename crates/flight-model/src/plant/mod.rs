@@ -65,6 +65,7 @@ pub struct Plant {
     step_s: f64,
     substeps: usize,
     origin_amsl_m: f64,
+    held_bank_rad: Option<f64>,
     setpoints: SetpointDelay,
     speed: SpeedLoop,
     course: CourseLoop,
@@ -117,6 +118,7 @@ impl Plant {
             step_s,
             substeps,
             origin_amsl_m,
+            held_bank_rad: None,
             setpoints: SetpointDelay::new(
                 [settings.speed.dead_time_s, settings.course.dead_time_s, settings.altitude.dead_time_s],
                 step_s,
@@ -149,6 +151,11 @@ impl Plant {
         self.limits = *limits;
     }
 
+    /// From now on it banks as it is told, rad, whatever its course; none: it turns to its course again.
+    pub fn hold_bank(&mut self, bank_rad: Option<f64>) {
+        self.held_bank_rad = bank_rad;
+    }
+
     /// Bank, rad, right wing down positive.
     pub fn bank_rad(&self) -> f64 {
         self.course.bank_rad()
@@ -174,7 +181,8 @@ impl Plant {
         for _ in 0..self.substeps {
             speed_mps = self.speed.step(setpoint.speed_mps, &self.limits) * ratio;
             let error_rad = wrap_pi(setpoint.course_rad - heading_rad);
-            heading_rad += self.course.step(error_rad, speed_mps, &self.limits);
+            let bank_rad = self.held_bank_rad.unwrap_or_else(|| self.course.wanted_bank_rad(error_rad));
+            heading_rad += self.course.step(bank_rad, speed_mps, &self.limits);
             self.altitude.step(setpoint.altitude_m, &self.limits);
             let after = course_vector(heading_rad) * speed_mps;
             position_m += (velocity + after) * (0.5 * substep_s);

@@ -6,6 +6,7 @@
 
 mod arbiter;
 pub(crate) mod arming;
+mod attitude;
 mod automation;
 pub(crate) mod calibration;
 pub(crate) mod event;

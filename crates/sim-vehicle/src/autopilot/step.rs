@@ -9,6 +9,7 @@ impl Autopilot {
     /// `track`.
     pub fn step(&mut self, time: Duration, track: &mut Vec<State>) {
         self.live();
+        self.forget_attitude();
         self.step_flight();
         self.time = time;
         track.push(*self.flight.state());

@@ -27,11 +27,17 @@ pub(crate) enum Timer {
     OffboardStream,
     /// Since when it is armed on the ground and has not flown.
     ArmedIdle,
+    /// Until when it flies by the bank that somebody has set.
+    ForcedRoll,
+    /// The same of the pitch.
+    ForcedPitch,
+    /// The same of the throttle.
+    ForcedThrottle,
 }
 
 /// The times that are set.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Timers([Option<Duration>; Timer::ArmedIdle as usize + 1]);
+pub(crate) struct Timers([Option<Duration>; Timer::ForcedThrottle as usize + 1]);
 
 impl Timers {
     /// A timer ends at a time, or has begun at it.

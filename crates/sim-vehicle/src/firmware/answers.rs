@@ -8,7 +8,9 @@ use crate::autopilot::plan::PlanKind;
 use crate::error::{CommandError, CommandResult, PlanError};
 use crate::mode::Mode;
 use crate::protocol::command::request::Command;
-use mavlink_bridge::dialect::{SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA};
+use mavlink_bridge::dialect::{
+    SET_ATTITUDE_TARGET_DATA, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+};
 use mavlink_bridge::{CommandPosition, PlanItem};
 
 /// What the autopilot makes of a command, if it is not ArduPlane's answer.
@@ -88,10 +90,12 @@ pub(crate) fn take_global_target(autopilot: &mut Autopilot, data: &SET_POSITION_
     }
 }
 
-/// Takes a SET_ATTITUDE_TARGET, which keeps the offboard stream of a PX4 alive and is not followed.
-pub(crate) fn take_attitude(autopilot: &mut Autopilot) {
-    if autopilot.rules().hears_attitude_targets {
-        px4::offboard::take_attitude(autopilot);
+/// Takes a SET_ATTITUDE_TARGET.
+pub(crate) fn take_attitude(autopilot: &mut Autopilot, data: &SET_ATTITUDE_TARGET_DATA) {
+    match autopilot.rules().targets {
+        TargetSet::ArduPlane => arduplane::targets::take_attitude(autopilot, data, false),
+        TargetSet::Px4 => px4::offboard::take_attitude(autopilot, data),
+        TargetSet::Generic => arduplane::targets::take_attitude(autopilot, data, true),
     }
 }
 

@@ -6,6 +6,7 @@
 mod addressing;
 pub(crate) mod answers;
 mod arduplane;
+mod attitude;
 mod generic;
 pub(crate) mod offers;
 mod px4;

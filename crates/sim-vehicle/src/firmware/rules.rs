@@ -68,8 +68,6 @@ pub(crate) struct Rules {
     pub acknowledges_set_mode: bool,
     /// Whether SET_GPS_GLOBAL_ORIGIN is answered with the origin, which stays.
     pub tells_origin: bool,
-    /// Whether attitude targets count for the offboard stream.
-    pub hears_attitude_targets: bool,
     /// Whether a rate of a message that there is not is FAILED; otherwise it is DENIED.
     pub unknown_interval_fails: bool,
     /// Whether DO_SET_HOME is above sea level whatever the frame.

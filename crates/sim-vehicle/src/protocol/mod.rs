@@ -112,7 +112,7 @@ fn serve_message(component: &mut Component, link: usize, sender: Target, message
             autopilot.hear_heartbeat(sender.system_id, data.mavtype == MavType::MAV_TYPE_GCS);
         }
         Message::SET_POSITION_TARGET_GLOBAL_INT(data) => answers::take_global_target(autopilot, data),
-        Message::SET_ATTITUDE_TARGET(_) => answers::take_attitude(autopilot),
+        Message::SET_ATTITUDE_TARGET(data) => answers::take_attitude(autopilot, data),
         Message::RC_CHANNELS_OVERRIDE(data) => autopilot.override_channels(sender.system_id, channels_of(data)),
         Message::MANUAL_CONTROL(data) => {
             let sticks = ManualControl { x: data.x, y: data.y, z: data.z, r: data.r };

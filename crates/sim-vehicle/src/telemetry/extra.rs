@@ -119,14 +119,15 @@ impl Instruments<'_> {
         self.frame.to_geodetic(state.x_m, state.y_m, state.altitude_m)
     }
 
-    /// The share of the top speed that is flown, 0 to 1; VFR_HUD has it in percent.
+    /// The share of the top speed that is flown, or the throttle that somebody else has set, 0 to 1; VFR_HUD has it in
+    /// percent.
     pub(super) fn throttle(&self) -> f64 {
-        let top_mps = self.flight.limits().speed_max_mps;
-        if self.flight.is_engine_running() {
-            (self.flight.equivalent_airspeed_mps() / top_mps).clamp(0.0, 1.0)
-        } else {
-            0.0
+        if !self.flight.is_engine_running() {
+            return 0.0;
         }
+        let share = || self.flight.equivalent_airspeed_mps() / self.flight.limits().speed_max_mps;
+        let set = self.flight.attitude().and_then(|attitude| attitude.throttle);
+        set.unwrap_or_else(share).clamp(0.0, 1.0)
     }
 
     /// The outputs as pulses, microseconds: there are no surfaces, and the throttle is VFR_HUD's.
@@ -188,12 +189,16 @@ impl Instruments<'_> {
         })
     }
 
-    /// What it steers for: the bank of the turn that it flies, level, on the course that it steers for.
+    /// What it steers for: the bank of the turn that it flies, level, on the course that it steers for, or what
+    /// somebody else has set of them.
     fn attitude_target(&self) -> Message {
         let aim = self.flight.aim();
+        let [roll_rad, set_rad] = self.flight.roll_and_pitch_rad();
+        let is_pitched = self.flight.attitude().is_some_and(|attitude| attitude.pitch.is_some());
+        let pitch_rad = if is_pitched { set_rad } else { 0.0 };
         Message::ATTITUDE_TARGET(ATTITUDE_TARGET_DATA {
             time_boot_ms: boot_ms(self.time),
-            q: super::navigation::quaternion([self.flight.roll_rad(), 0.0, aim.course_rad]),
+            q: super::navigation::quaternion([roll_rad, pitch_rad, aim.course_rad]),
             body_yaw_rate: self.flight.turn_rate_radps() as f32,
             thrust: self.throttle() as f32,
             type_mask: AttitudeTargetTypemask::empty(),

@@ -100,11 +100,7 @@ impl Instruments<'_> {
                 telemetry::global_position_int(time, state, self.flight.heading_rad(), self.frame, home_altitude_m)
             }
             Stream::VfrHud => {
-                // Throttle is the share of the top speed that is flown.
-                let top_mps = self.flight.limits().speed_max_mps;
-                let share =
-                    if self.flight.is_engine_running() { self.flight.equivalent_airspeed_mps() / top_mps } else { 0.0 };
-                let throttle_percent = (100.0 * share).round() as u16;
+                let throttle_percent = (100.0 * self.throttle()).round() as u16;
                 let airspeed_mps = self.readings().airspeed_mps;
                 let altitude_m = origin.altitude_amsl_m + state.altitude_m;
                 telemetry::vfr_hud(state, airspeed_mps, self.flight.heading_rad(), altitude_m, throttle_percent)
@@ -343,6 +339,7 @@ fn capabilities(rules: &Rules) -> MavProtocolCapability {
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
+        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
 }

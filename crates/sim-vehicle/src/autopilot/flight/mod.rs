@@ -1,6 +1,7 @@
 //! How the vehicle flies: its modes and what feeds the three autopilot loops. Knows no MAVLink.
 
 mod air;
+pub(crate) mod attitude;
 mod circle;
 pub(crate) mod ground;
 pub(crate) mod guidance;
@@ -18,6 +19,7 @@ use crate::parameters::table::TAKEOFF_ALTITUDE_M;
 use crate::settings::VehicleSettings;
 use crate::world::Motion;
 use air::Air;
+use attitude::AttitudeTarget;
 use flight_model::{Autopilot, Dynamics, Plant, SetpointDelay, State, wrap_pi};
 use ground::Contact;
 use guidance::{Direction, RallyPlace};
@@ -51,6 +53,8 @@ pub(crate) struct Flight {
     contact: Contact,
     stage: Stage,
     sticks: Option<Sticks>,
+    /// The attitude that somebody else sets, until the mode changes.
+    attitude: Option<AttitudeTarget>,
     home: Home,
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: Vector2<f64>,
@@ -108,6 +112,7 @@ impl Flight {
             contact: Contact::Rail,
             stage: Stage::Normal,
             sticks: None,
+            attitude: None,
             home: Home::default(),
             guided_point: start.position_m(),
             rally: None,

@@ -129,6 +129,7 @@ impl Flight {
         self.speed_is_over_ground = false;
         self.altitude = Ramp::at(now.altitude_m);
         self.altitude_is_slewed = false;
+        self.set_attitude(None);
         self.set_course(now.course_rad, f64::INFINITY);
         let here = now.position_m();
         match mode {

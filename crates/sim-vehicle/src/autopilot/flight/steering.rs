@@ -1,5 +1,6 @@
 //! What is held and steered for: speed, altitude, and a course, a circle or a place.
 
+use super::attitude::AttitudeTarget;
 use super::circle::Circle;
 use super::ground::Contact;
 use super::guidance::{Aim, Direction, RallyPlace};
@@ -127,6 +128,35 @@ impl Flight {
         self.stage = Stage::Takeoff;
     }
 
+    /// Flies by an attitude from now on, as far as it is asked for; none: as it is steered otherwise.
+    pub fn set_attitude(&mut self, attitude: Option<AttitudeTarget>) {
+        let was_banked = self.is_banked();
+        self.attitude = attitude.filter(|attitude| !attitude.is_empty());
+        if self.is_banked() != was_banked {
+            self.limit_lateral_acceleration(self.lateral_limit_mps2);
+        }
+    }
+
+    /// The attitude that it flies by.
+    #[inline]
+    pub fn attitude(&self) -> Option<&AttitudeTarget> {
+        self.attitude.as_ref()
+    }
+
+    /// Bank and pitch, rad: those that somebody else sets, or else as it flies.
+    pub fn roll_and_pitch_rad(&self) -> [f64; 2] {
+        let in_air = self.in_air();
+        let flown = self.attitude.unwrap_or_default();
+        let roll_rad = flown.roll.map_or_else(|| self.roll_rad(), |roll| roll.rad);
+        let climbing_rad = || libm::atan2(in_air.climb_mps, in_air.speed_mps);
+        [roll_rad, flown.pitch.map_or_else(climbing_rad, |pitch| pitch.rad)]
+    }
+
+    /// Whether somebody else sets its bank.
+    pub(super) fn is_banked(&self) -> bool {
+        self.attitude.is_some_and(|attitude| attitude.roll.is_some())
+    }
+
     /// What it steers for.
     pub fn aim(&self) -> Aim {
         let (place, course_rad) = self.direction.aim(&self.estimate());
@@ -176,7 +206,9 @@ impl Flight {
     /// The flight model with the least of the lateral limits.
     fn limited_dynamics(&self) -> Dynamics {
         let mut dynamics = self.dynamics;
-        let overload = (self.lateral_limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
+        // The limit of a guided course is not that of a bank that is asked for.
+        let limit_mps2 = if self.is_banked() { f64::INFINITY } else { self.lateral_limit_mps2 };
+        let overload = (limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
         let limits = &mut dynamics.limits;
         limits.lateral_overload_max = overload.min(limits.lateral_overload_max);
         limits.climb_max_mps = self.tuning.climb_max_mps.min(limits.climb_max_mps);

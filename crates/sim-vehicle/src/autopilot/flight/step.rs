@@ -1,6 +1,7 @@
 //! One integration step: in the air, on the ground, and between them.
 
 use super::air::Wanted;
+use super::attitude::Craft;
 use super::ground::{BRAKE_MPS2, Contact, RUN_MPS2, SINK_BORNE_MPS, TouchDown};
 use super::guidance::Direction;
 use super::landing::View;
@@ -51,6 +52,9 @@ impl Flight {
         if let Some(sticks) = self.hands() {
             setpoint = sticks.steer(setpoint, self.mode, &self.state, self.airspeed_mps(), &self.dynamics);
         }
+        if self.attitude.is_some() {
+            setpoint = self.steer_by_attitude(setpoint);
+        }
         let ground_m = self.ground_m();
         if let Stage::Landing(landing) = &mut self.stage {
             let tau = self.dynamics.time_constants;
@@ -86,10 +90,36 @@ impl Flight {
         self.sticks.filter(|_| self.mode.is_manual())
     }
 
+    /// A setpoint with the attitude that somebody else sets in the place of what was held.
+    fn steer_by_attitude(&mut self, setpoint: Setpoint) -> Setpoint {
+        let step_s = self.autopilot.step_s();
+        let Some(attitude) = &mut self.attitude else { return setpoint };
+        attitude.advance(step_s);
+        let tau = self.dynamics.time_constants;
+        let craft = Craft {
+            state: &self.state,
+            in_air: &self.air.see(&self.state),
+            limits: &self.limited.limits,
+            course_lag_s: step_s / (1.0 - libm::exp(-step_s / tau.course_s)),
+            altitude_lag_s: tau.altitude_a_s + tau.altitude_b_s,
+        };
+        attitude.steer(setpoint, &craft)
+    }
+
+    /// The bank that a pilot or somebody else sets, rad.
+    fn wanted_bank_rad(&self) -> Option<f64> {
+        let set = self.attitude.and_then(|attitude| attitude.roll).map(|roll| roll.rad);
+        set.or_else(|| self.hands().and_then(|sticks| sticks.bank_rad()))
+    }
+
     /// One step of the loops.
     fn fly(&mut self, setpoint: &Setpoint) {
-        let is_heading = matches!(self.direction, Direction::Heading(_));
+        let is_heading = matches!(self.direction, Direction::Heading(_)) || self.is_banked();
         let wanted = Wanted { is_ground_speed: self.speed_is_over_ground, is_heading };
+        let bank_rad = self.wanted_bank_rad();
+        if let Some(plant) = &mut self.plant {
+            plant.hold_bank(bank_rad);
+        }
         let ratio = self.true_airspeed_ratio();
         let setpoint = self.air.through(setpoint, wanted, self.airspeed_mps(), ratio, &self.dynamics);
         self.air.remember(&self.state);
@@ -109,8 +139,9 @@ impl Flight {
         let hands = self.hands();
         let hands_run = hands.is_some_and(|sticks| sticks.make_roll());
         let hands_lift = hands.is_some_and(|sticks| sticks.lift());
+        let attitude = self.attitude.unwrap_or_default();
         let takes_off = matches!(self.stage, Stage::Takeoff);
-        let runs = self.is_engine_running() && (takes_off || hands_run);
+        let runs = self.is_engine_running() && (takes_off || hands_run || attitude.makes_roll());
         let acceleration_mps2 = if runs { RUN_MPS2 } else { -BRAKE_MPS2 };
         let before_mps = self.state.speed_mps;
         // The speed asked for is an airspeed: down the wind the run is as much faster.
@@ -124,7 +155,7 @@ impl Flight {
         self.state.y_m += run_m * sin;
         self.state.speed_mps = after_mps;
         if runs
-            && (takes_off || hands_lift)
+            && (takes_off || hands_lift || attitude.lifts())
             && self.air.lift_off_speed_mps(&self.state) >= self.dynamics.limits.speed_min_mps
         {
             self.contact = Contact::Air;

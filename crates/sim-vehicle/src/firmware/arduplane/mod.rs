@@ -34,7 +34,6 @@ pub(super) const RULES: Rules = Rules {
     targets: TargetSet::ArduPlane,
     acknowledges_set_mode: false,
     tells_origin: false,
-    hears_attitude_targets: false,
     unknown_interval_fails: false,
     home_is_above_sea: false,
     has_ardupilot_commands: true,

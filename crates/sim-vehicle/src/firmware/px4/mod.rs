@@ -41,7 +41,6 @@ pub(super) const RULES: Rules = Rules {
     targets: TargetSet::Px4,
     acknowledges_set_mode: true,
     tells_origin: true,
-    hears_attitude_targets: true,
     unknown_interval_fails: true,
     home_is_above_sea: true,
     has_ardupilot_commands: false,

@@ -1,0 +1,349 @@
+// The page: the connection to the program, and what happens ten times a second.
+
+import { Moment, momentsOf, FLAG } from "./wire.js";
+import { Player } from "./player.js";
+import { Stage, severity } from "./stage.js";
+import { Table, stateOf } from "./table.js";
+import { Charts } from "./charts.js";
+import { Operator } from "./operator.js";
+
+const element = (id) => document.getElementById(id);
+const parameters = new URLSearchParams(location.search);
+const token = location.hash.slice(1);
+const EVENTS_SHOWN = 500;
+
+const player = new Player();
+const stage = new Stage(element("stage"), player, parameters.has("canvas"));
+const table = new Table(element("table"), element("count"), element("filter"), stage);
+const charts = new Charts(element("charts"), player, (time) => player.seek(time));
+let socket = null;
+const operator = new Operator(
+  { all: element("orders"), one: element("orders-one"), note: element("order-note"), dialog: element("ask"), answer: element("answer") },
+  (words) => {
+    if (socket?.readyState !== WebSocket.OPEN) return false;
+    socket.send(JSON.stringify({ token, ...words }));
+    return true;
+  });
+let roster = { version: 0, numbers: [], systems: [], kinds: [], modes: [] };
+let scene = { circles: [], outlines: [], verbs: [] };
+let events = [];
+let may = false;
+
+// ---- What the program sends ----
+
+function hear(message) {
+  if (message.scene) setScene(message.scene);
+  if (message.roster) setRoster(message.roster);
+  if (message.told) { events.push(...message.told); drawEvents(); }
+  if (message.summary) setSummary(message.summary);
+  if (message.may) { may = true; operator.offer(scene.takes_words ? scene.verbs : [], may); }
+  if (message.answer) operator.answered(message.answer);
+  if (message.over) over = true;
+}
+
+function setScene(next) {
+  scene = next;
+  document.title = `${scene.title || "flight"} \u2013 Columba`;
+  element("title").textContent = scene.title || "Columba";
+  element("title").title = scene.source;
+  stage.setScene(scene);
+  operator.offer(scene.takes_words ? scene.verbs : [], may);
+}
+
+function setRoster(next) {
+  roster = table.roster = next;
+  stage.numbers = roster.numbers;
+  player.version++;
+}
+
+function setSummary({ phase, least }) {
+  element("phase").textContent = phase;
+  setLeast("least-separation", "separation", least.separation, least, (value) => scene.separation_m > 0 && value < scene.separation_m);
+  setLeast("least-clearance", "clearance", least.clearance, least, (value) => value < 0);
+}
+
+function setLeast(id, what, least, { is_of_flight: isOfFlight }, isBad) {
+  const button = element(id);
+  button.textContent = least ? `least ${what} ${least.value_m.toFixed(2).replace("-", "\u2212")} m: ${least.vehicles.join(" and ")}, at ${least.at_s.toFixed(1)} s` : "";
+  button.classList.toggle("bad", Boolean(least) && isBad(least.value_m));
+  const basis = isOfFlight ? scene.distances_rest_on || "measured by the flight at every step" : "of the moments that this page was sent";
+  button.title = `The least ${what} so far: ${basis}. Click to go there.`;
+  button.onclick = () => goTo(least.vehicles, least.at_s);
+}
+
+/** Selects vehicles by their numbers, and goes to a time that is remembered. */
+function goTo(numbers, time) {
+  if (player.moments.length && time !== undefined && time < player.end - 0.5) {
+    player.seek(time);
+    player.isPlaying = false;
+  }
+  player.fill(stage.flock);
+  const indices = numbers.map((number) => roster.numbers.indexOf(number)).filter((index) => index >= 0);
+  stage.select(indices);
+  stage.lookAt(indices);
+}
+
+// ---- The connection ----
+
+let over = false;
+function connect() {
+  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => {
+    events = [];
+    setConnection("live", false);
+    if (token) socket.send(JSON.stringify({ token }));
+  };
+  socket.onmessage = ({ data }) => {
+    if (typeof data === "string") hear(JSON.parse(data));
+    else player.take(new Moment(data), performance.now());
+  };
+  socket.onclose = () => {
+    setConnection(over ? "the program has ended" : "the program is not there", true);
+    if (player.newest) player.newest.rate = 0;
+    // A program that has ended does not come back at this address, but one that was out of reach may.
+    if (!over) setTimeout(connect, 1500);
+  };
+}
+
+function setConnection(text, isBad) {
+  element("connection").textContent = text;
+  element("connection").classList.toggle("bad", isBad);
+}
+
+async function begin() {
+  const inline = element("recording");
+  if (inline) {
+    const bytes = Uint8Array.from(atob(element("recording-frames").textContent.trim()), (letter) => letter.charCodeAt(0));
+    return play(JSON.parse(inline.textContent), bytes.buffer);
+  }
+  const head = await fetch("recording.json");
+  if (head.status !== 200) return connect();
+  const [known, frames] = await Promise.all([head.json(), fetch("recording.bin").then((answer) => answer.arrayBuffer())]);
+  play(known, frames);
+}
+
+function play({ scene: known, roster: whose, told, least }, frames) {
+  setScene(known);
+  setRoster(whose);
+  player.record(momentsOf(frames));
+  events = told;
+  drawEvents();
+  setSummary({ phase: "", least });
+  setConnection("recording", false);
+  stage.isFitted = false;
+}
+
+// ---- What the page shows beside the picture ----
+
+function drawEvents() {
+  fillEvents(element("events"), events.slice(-EVENTS_SHOWN).reverse());
+  drawSelected();
+}
+
+function fillEvents(list, some) {
+  list.replaceChildren(...some.map((event) => {
+    const item = document.createElement("li");
+    item.className = event.weight;
+    const time = document.createElement("time");
+    time.textContent = `${event.at_s.toFixed(1)} s`;
+    const text = document.createElement("span");
+    const who = document.createElement("b");
+    who.textContent = event.vehicles.length ? `${event.vehicles.length > 1 ? "vehicles" : "vehicle"} ${event.vehicles.join(" and ")}: ` : "";
+    text.append(who, event.text);
+    item.append(time, text);
+    item.tabIndex = 0;
+    item.onclick = () => goTo(event.vehicles, event.at_s);
+    item.onkeydown = ({ key }) => { if (key === "Enter") item.onclick(); };
+    return item;
+  }));
+}
+
+/** Vehicles that ask for a look now, the worst first. */
+function alarmsNow() {
+  const moment = player.shownStatus();
+  const found = [];
+  for (let i = 0; moment && i < moment.n; i++) {
+    const level = severity(moment.flags(i));
+    if (level) found.push([level, i, moment.flags(i)]);
+  }
+  return found.sort((a, b) => b[0] - a[0] || a[1] - b[1]);
+}
+
+function drawAlarms() {
+  const alarms = alarmsNow();
+  const count = element("alarm-count");
+  count.textContent = alarms.length || "";
+  count.classList.toggle("bad", alarms.length > 0);
+  const words = alarms.slice(0, 50).map(([level, i, flags]) => [level, i, `vehicle ${roster.numbers[i] ?? i + 1}: ${stateOf(flags)}`]);
+  const text = words.map(([, , word]) => word).join("\n") + alarms.length;
+  if (text === drawAlarms.text) return;
+  drawAlarms.text = text;
+  const note = document.createElement("p");
+  note.className = "note";
+  note.textContent = alarms.length ? (alarms.length > 50 ? `and ${alarms.length - 50} more` : "") : "No alarm now.";
+  element("now").replaceChildren(...words.map(([level, i, word]) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = `level-${level}`;
+    button.textContent = word;
+    button.onclick = () => { stage.select([i]); stage.lookAt([i]); };
+    return button;
+  }), note);
+}
+
+let nextAlarm = 0;
+function goToNextAlarm() {
+  const alarms = alarmsNow();
+  if (!alarms.length) return;
+  const [, i] = alarms[nextAlarm++ % alarms.length];
+  stage.select([i]);
+  stage.lookAt([i]);
+}
+
+const number = (value, digits, unit) => Number.isFinite(value) ? `${value.toFixed(digits).replace("-", "\u2212")} ${unit}` : "\u2013";
+
+function drawSelected() {
+  const chosen = [...stage.selected];
+  const [i] = chosen;
+  const one = chosen.length === 1;
+  element("selected-hint").hidden = chosen.length > 0;
+  element("selected-name").textContent = chosen.length === 0 ? "No vehicle is selected"
+    : one ? `Vehicle ${roster.numbers[i] ?? i + 1}` : `${chosen.length} vehicles: ${chosen.slice(0, 12).map((k) => roster.numbers[k] ?? k + 1).join(", ")}${chosen.length > 12 ? " \u2026" : ""}`;
+  charts.show(one ? i : null);
+  const facts = element("selected-facts");
+  const moment = player.shownStatus();
+  if (!one || !moment || i >= moment.n) { facts.replaceChildren(); element("selected-events").replaceChildren(); return; }
+  const weights = [0, 1, 2].map((term) => moment.weight(term, i));
+  const rows = [
+    ["is", roster.kinds[i]], ["system id", roster.systems[i] || ""], ["mode", roster.modes[moment.mode(i)]], ["state", stateOf(moment.flags(i))],
+    ["north", number(moment.x(i), 1, "m")], ["east", number(moment.y(i), 1, "m")], ["altitude", number(moment.altitude(i), 1, "m")],
+    ["speed", number(moment.speed(i), 1, "m/s")], ["course", number(moment.course(i) * 180 / Math.PI, 0, "\u00b0")],
+    ["separation", number(moment.separation(i), 1, "m")], ["clearance", number(moment.clearance(i), 1, "m")],
+    ["link age", number(moment.age(i), 1, "s")],
+    ["weights chosen", Number.isFinite(weights[0]) ? weights.map((value) => value.toFixed(2)).join(" / ") : ""],
+    ["asked", Number.isFinite(moment.speedAsked(i)) ? `${moment.speedAsked(i).toFixed(1)} m/s, ${(moment.courseAsked(i) * 180 / Math.PI).toFixed(0)}\u00b0` : ""],
+  ].filter(([, value]) => value);
+  facts.replaceChildren(...rows.map(([name, value]) => {
+    const [row, term, definition] = ["div", "dt", "dd"].map((kind) => document.createElement(kind));
+    term.textContent = name;
+    definition.textContent = value;
+    row.append(term, definition);
+    return row;
+  }));
+  const own = events.filter((event) => event.vehicles.includes(roster.numbers[i])).slice(-50).reverse();
+  if (own.length !== drawSelected.count || drawSelected.index !== i) {
+    [drawSelected.count, drawSelected.index] = [own.length, i];
+    fillEvents(element("selected-events"), own);
+  }
+}
+
+stage.onSelect = () => {
+  const chosen = [...stage.selected];
+  element("follow").setAttribute("aria-pressed", stage.follows);
+  if (chosen.length && stage.onSelect.last !== chosen.join()) {
+    if (!element("alarms").hidden || !element("selected").hidden || chosen.length > 1) openTab("selected");
+    operator.select(chosen.map((i) => roster.numbers[i] ?? i + 1));
+  }
+  if (!chosen.length) operator.select([]);
+  stage.onSelect.last = chosen.join();
+  drawSelected();
+  table.drawRows();
+};
+
+function openTab(name) {
+  for (const tab of document.querySelectorAll("[role=tab]")) {
+    const isOpen = tab.getAttribute("aria-controls") === name;
+    tab.setAttribute("aria-selected", isOpen);
+    element(tab.getAttribute("aria-controls")).hidden = !isOpen;
+  }
+  slowly();
+}
+for (const tab of document.querySelectorAll("[role=tab]")) tab.addEventListener("click", () => openTab(tab.getAttribute("aria-controls")));
+
+// ---- Buttons and keys ----
+
+const press = (id, does) => element(id).addEventListener("click", does);
+const toggle3d = () => {
+  stage.set3d(!stage.camera.is3d);
+  element("view-3d").setAttribute("aria-pressed", stage.camera.is3d);
+  stage.fit();
+};
+const toggleFollow = () => {
+  stage.follows = !stage.follows;
+  stage.isTouched = true;
+  element("follow").setAttribute("aria-pressed", stage.follows);
+  stage.isStale = true;
+};
+const zoom = (factor) => { stage.camera.zoom(factor); stage.touched(); };
+const fit = () => { stage.follows = false; stage.fit(); element("follow").setAttribute("aria-pressed", false); };
+press("view-3d", toggle3d);
+press("fit", fit);
+press("follow", toggleFollow);
+press("north", () => stage.northUp());
+press("zoom-in", () => zoom(1.4));
+press("zoom-out", () => zoom(1 / 1.4));
+press("play", () => player.toggle());
+press("back", () => player.step(-1));
+press("forth", () => player.step(1));
+press("live", () => player.goLive());
+element("colour-by").addEventListener("change", ({ target }) => { stage.colourBy = target.value; stage.isStale = true; });
+element("speed").addEventListener("change", ({ target }) => { player.speed = Number(target.value); });
+element("scrub").addEventListener("input", ({ target }) => {
+  player.seek(player.start + (player.end - player.start) * Number(target.value) / 1000);
+});
+
+const KEYS = {
+  " ": () => player.toggle(), ",": () => player.step(-1), ".": () => player.step(1), l: () => player.goLive(),
+  "3": toggle3d, "2": () => { if (stage.camera.is3d) toggle3d(); }, "0": fit, f: toggleFollow, n: () => stage.northUp(),
+  "+": () => zoom(1.4), "=": () => zoom(1.4), "-": () => zoom(1 / 1.4), a: goToNextAlarm,
+  "/": () => { openTab("vehicles"); element("filter").focus(); }, Escape: () => stage.select([]),
+  ArrowLeft: () => pan(60, 0), ArrowRight: () => pan(-60, 0), ArrowUp: () => pan(0, 60), ArrowDown: () => pan(0, -60),
+  q: () => { stage.camera.turn(0.15, 0); stage.isTurned = true; stage.touched(); },
+  e: () => { stage.camera.turn(-0.15, 0); stage.isTurned = true; stage.touched(); },
+};
+const pan = (dx, dy) => { stage.camera.pan(dx, dy); stage.touched(); };
+addEventListener("keydown", (event) => {
+  const isTyping = event.target.closest("input, select, dialog") && event.key !== "Escape";
+  if (isTyping || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === " " && event.target.closest("button")) return;
+  const does = KEYS[event.key] ?? KEYS[event.key.toLowerCase()];
+  if (!does) return;
+  event.preventDefault();
+  does();
+});
+
+// ---- Clockwork ----
+
+let before = performance.now();
+let slow = 0;
+function each(clock) {
+  player.advance((clock - before) / 1000);
+  before = clock;
+  stage.draw(clock);
+  if (clock - slow > 250) slowly(clock);
+  requestAnimationFrame(each);
+}
+
+/** What needs no hurry: words and numbers. */
+function slowly(clock = performance.now()) {
+  slow = clock;
+  const isRunning = player.isLive || player.isPlaying;
+  element("play").textContent = isRunning ? "Pause" : "Play";
+  element("live").hidden = player.isLive || player.isRecording;
+  const span = player.end - player.start;
+  if (document.activeElement !== element("scrub") || isRunning) element("scrub").value = span > 0 ? 1000 * (player.now - player.start) / span : 1000;
+  element("clock").textContent = `${player.now.toFixed(1)} s`;
+  if (!element("vehicles").hidden) table.draw();
+  drawAlarms();
+  if (!element("selected").hidden) {
+    drawSelected();
+    charts.draw();
+  }
+}
+
+// For tests, and for the curious.
+window.columba = { player, stage, table, get events() { return events; }, get roster() { return roster; } };
+
+begin();
+requestAnimationFrame(each);

@@ -1,0 +1,89 @@
+//! The feed: what a flight tells the page, without ever waiting for it.
+
+use crate::scene::{Event, Frame, Scene};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+
+/// The flight's end of the page. Clones feed the same page.
+#[derive(Clone, Debug, Default)]
+pub struct Feed(Arc<Shared>);
+
+#[derive(Debug, Default)]
+struct Shared {
+    frame: Mutex<Frame>,
+    /// The scene and the events that the page has not taken yet. Short work on both sides.
+    news: Mutex<News>,
+}
+
+/// What the page has not taken yet.
+#[derive(Debug, Default)]
+pub struct News {
+    /// A new scene.
+    pub scene: Option<Scene>,
+    /// New events.
+    pub events: Vec<Event>,
+}
+
+/// More events than this wait for nobody: the page's thread is gone.
+const EVENTS_MAX: usize = 100_000;
+
+impl Feed {
+    /// Changes the frame. Never waits: while the page's thread copies the frame, which takes microseconds, nothing is
+    /// changed and this gives false. The next change a moment later will do.
+    pub fn update(&self, change: impl FnOnce(&mut Frame)) -> bool {
+        match self.0.frame.try_lock() {
+            Ok(mut frame) => {
+                change(&mut frame);
+                true
+            }
+            Err(TryLockError::Poisoned(frame)) => {
+                change(&mut frame.into_inner());
+                true
+            }
+            Err(TryLockError::WouldBlock) => false,
+        }
+    }
+
+    /// Sets the scene.
+    pub fn scene(&self, scene: Scene) {
+        self.lock_news().scene = Some(scene);
+    }
+
+    /// Tells an event; none is lost.
+    pub fn tell(&self, event: Event) {
+        let mut news = self.lock_news();
+        if news.events.len() < EVENTS_MAX {
+            news.events.push(event);
+        }
+    }
+
+    /// The frame as it is now.
+    pub fn latest(&self) -> Frame {
+        self.0.frame.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// What is new since this was last called.
+    pub fn take_news(&self) -> News {
+        std::mem::take(&mut *self.lock_news())
+    }
+
+    fn lock_news(&self) -> MutexGuard<'_, News> {
+        self.0.news.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reader_never_makes_the_flight_wait() {
+        let feed = Feed::default();
+        assert!(feed.update(|frame| frame.time_s = 1.0));
+        let reading = feed.0.frame.lock().unwrap();
+        assert!(!feed.update(|frame| frame.time_s = 2.0), "it returns at once, and changes nothing");
+        drop(reading);
+        assert_eq!(feed.latest().time_s, 1.0);
+        assert!(feed.update(|frame| frame.time_s = 3.0));
+        assert_eq!(feed.latest().time_s, 3.0);
+    }
+}
