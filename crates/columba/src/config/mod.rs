@@ -52,6 +52,15 @@ pub fn load(path: Option<&Path>, over: &[Layer]) -> Result<Scenario, ConfigError
     parse(&source_of(path)?, over)
 }
 
+/// Reads and checks the scenario of `columba identify` where no file is named, with layers over it.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_identify(over: &[Layer]) -> Result<Scenario, ConfigError> {
+    const IDENTIFY: &str = include_str!("../../../../config/identify.toml");
+    parse(&Source::new("config/identify.toml (built in)", IDENTIFY), over)
+}
+
 /// What the topmost of some layers has for a key, as it is written.
 pub fn written(layers: &[Layer], key: &str) -> Option<String> {
     layers.iter().rev().find_map(|layer| layer.find(key).filter(|found| found.is_there)?.value)

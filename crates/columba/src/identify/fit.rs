@@ -86,7 +86,7 @@ fn second_order(t_s: f64, a_s: f64, b_s: f64, dead_s: f64) -> f64 {
 }
 
 fn mean_square(responses: &[Response], model: impl Fn(&Response, f64) -> f64) -> f64 {
-    let sum: f64 = responses.iter().map(|response| response.rms(|t_s| model(response, t_s)).powi(2)).sum();
+    let sum: f64 = responses.iter().map(|response| square(response.rms(|t_s| model(response, t_s)))).sum();
     sum / responses.len().max(1) as f64
 }
 
@@ -112,8 +112,7 @@ fn follows(responses: Vec<Response>, what: &str, notes: &mut Vec<String>) -> Vec
 /// # Errors
 /// What is missing.
 pub fn course(recording: &Recording, steps_deg: Range<f64>, notes: &mut Vec<String>) -> Result<Course, String> {
-    const WANTED: Wanted =
-        Wanted { step_min: 0.08, rest_s: 4.0, longest_s: 12.0, shortest_s: 5.0, is_angle: true };
+    const WANTED: Wanted = Wanted { step_min: 0.08, rest_s: 4.0, longest_s: 12.0, shortest_s: 5.0, is_angle: true };
     let all = find(&recording.samples, &recording.course, &Commands::new(), &WANTED, |sample| sample.course_rad);
     let in_range = |response: &Response| steps_deg.contains(&response.step.abs().to_degrees());
     let turns: Vec<Response> = all.into_iter().filter(in_range).collect();
@@ -154,8 +153,7 @@ pub fn course(recording: &Recording, steps_deg: Range<f64>, notes: &mut Vec<Stri
 /// # Errors
 /// What is missing.
 pub fn speed(recording: &Recording, notes: &mut Vec<String>) -> Result<Speed, String> {
-    const WANTED: Wanted =
-        Wanted { step_min: 0.8, rest_s: 6.0, longest_s: 15.0, shortest_s: 6.0, is_angle: false };
+    const WANTED: Wanted = Wanted { step_min: 0.8, rest_s: 6.0, longest_s: 15.0, shortest_s: 6.0, is_angle: false };
     let (gain, gain_error, wind_mps) = gain(recording)?;
     if wind_mps.is_none() {
         notes.push("not flown in enough directions: a wind would be part of the speed's gain".to_owned());
@@ -224,11 +222,11 @@ fn gain(recording: &Recording) -> Result<(f64, f64, Option<[f64; 2]>), String> {
     let solved = (least > 0.03).then(|| normal.try_inverse()).flatten().map(|inverse| inverse * right);
     let (gain, wind) = solved.map_or((alone, [0.0, 0.0]), |found| (found[0], [found[1], found[2]]));
     let left = |(speed_mps, row): &(f64, [f64; 3])| speed_mps - gain * row[0] - wind[0] * row[1] - wind[1] * row[2];
-    let square = settled.iter().map(|sample| left(sample).powi(2)).sum::<f64>() / count;
+    let mean_square = settled.iter().map(|sample| square(left(sample))).sum::<f64>() / count;
     let setpoint_mps = (normal[(0, 0)] / count).sqrt();
     // Samples of one stretch hang together: a stretch counts for one.
     let stretches = (count / recording.rate_hz().unwrap_or(1.0) / 3.0).max(1.0);
-    Ok((gain, (square / stretches).sqrt() / setpoint_mps, solved.map(|_| wind)))
+    Ok((gain, (mean_square / stretches).sqrt() / setpoint_mps, solved.map(|_| wind)))
 }
 
 /// The altitude loop, from steps that no limit of climb bends.
@@ -236,8 +234,7 @@ fn gain(recording: &Recording) -> Result<(f64, f64, Option<[f64; 2]>), String> {
 /// # Errors
 /// What is missing.
 pub fn altitude(recording: &Recording, notes: &mut Vec<String>) -> Result<Altitude, String> {
-    const WANTED: Wanted =
-        Wanted { step_min: 2.0, rest_s: 6.0, longest_s: 15.0, shortest_s: 6.0, is_angle: false };
+    const WANTED: Wanted = Wanted { step_min: 2.0, rest_s: 6.0, longest_s: 15.0, shortest_s: 6.0, is_angle: false };
     let all = find(&recording.samples, &recording.altitude, &recording.course, &WANTED, |sample| sample.altitude_m);
     let all = follows(all, "an altitude", notes);
     let (small, large): (Vec<_>, Vec<_>) = all.into_iter().partition(|step| step.step.abs() <= SMALL_CLIMB_M);
@@ -269,6 +266,10 @@ pub fn altitude(recording: &Recording, notes: &mut Vec<String>) -> Result<Altitu
     })
 }
 
+fn square(value: f64) -> f64 {
+    value * value
+}
+
 fn spread(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (least, most, count) = values
         .fold((f64::INFINITY, f64::NEG_INFINITY, 0), |(least, most, count), value: f64| {
@@ -280,8 +281,8 @@ fn spread(values: impl Iterator<Item = f64>) -> Option<f64> {
 fn nothing(what: &str, commands: &Commands) -> String {
     match commands.len() {
         0 => format!("no {what}: nothing was commanded"),
-        count => format!(
-            "no {what} that were held for 5 s or longer after a rest of 4 s ({count} setpoints were commanded)"
-        ),
+        count => {
+            format!("no {what} that were held for 5 s or longer after a rest of 4 s ({count} setpoints were commanded)")
+        }
     }
 }

@@ -21,6 +21,8 @@ use std::collections::BTreeMap;
 pub struct Identified {
     /// MAVLink system id.
     pub system_id: u8,
+    /// Whether it is an aircraft with wings.
+    pub has_wings: bool,
     /// Its speed loop; why not, otherwise.
     pub speed: Result<Speed, String>,
     /// Its course loop in turns of at most 50 degrees.
@@ -52,7 +54,7 @@ fn one(system_id: u8, recording: &Recording) -> Identified {
     let hard_course = fit::course(recording, 50.0..180.0, &mut Vec::new()).ok();
     let speed = fit::speed(recording, &mut notes);
     let altitude = fit::altitude(recording, &mut notes);
-    Identified { system_id, speed, course, hard_course, altitude, notes }
+    Identified { system_id, has_wings: recording.has_wings, speed, course, hard_course, altitude, notes }
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@
 //! that of the telemetry that came with the least delay. So a dead time includes the delay of the link, both ways.
 
 use flight_model::wrap_pi;
-use mavlink_bridge::TlogRecord;
 use mavlink_bridge::dialect::{GLOBAL_POSITION_INT_DATA, MavCmd, MavFrame, MavResult, Message};
+use mavlink_bridge::{AltitudeDatum, TlogRecord};
 use std::collections::BTreeMap;
 
 /// How a vehicle moved at one moment.
@@ -57,7 +57,8 @@ enum Part {
 impl Recording {
     /// Whether it was told anything.
     pub fn is_commanded(&self) -> bool {
-        !self.samples.is_empty() && !(self.speed.is_empty() && self.course.is_empty() && self.altitude.is_empty())
+        let is_told = [&self.speed, &self.course, &self.altitude].iter().any(|commands| !commands.is_empty());
+        is_told && !self.samples.is_empty()
     }
 
     /// Positions a second; none of fewer than two.
@@ -116,8 +117,8 @@ impl Recording {
     }
 
     fn amsl_m(&self, frame: MavFrame, z_m: f64) -> f64 {
-        match frame {
-            MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => z_m,
+        match AltitudeDatum::of_frame(frame as u32 as u8) {
+            Some(AltitudeDatum::MeanSeaLevel) => z_m,
             _ => self.home_amsl_m + z_m,
         }
     }

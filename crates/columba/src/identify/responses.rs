@@ -36,7 +36,8 @@ pub struct Wanted {
 impl Response {
     /// Root mean square of what a model leaves of it, as a share of the step.
     pub fn rms(&self, model: impl Fn(f64) -> f64) -> f64 {
-        let squares: f64 = self.points.iter().map(|&(t_s, share)| (share - model(t_s)).powi(2)).sum();
+        let left = |&(t_s, share): &(f64, f64)| share - model(t_s);
+        let squares: f64 = self.points.iter().map(|point| left(point) * left(point)).sum();
         (squares / self.points.len().max(1) as f64).sqrt()
     }
 

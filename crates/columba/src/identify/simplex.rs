@@ -41,9 +41,9 @@ pub(super) fn minimise<const N: usize>(
         if next.1 < worst.1 {
             simplex[N] = next;
         } else {
-            for corner in 1..=N {
-                let point: [f64; N] = std::array::from_fn(|axis| 0.5 * (best.0[axis] + simplex[corner].0[axis]));
-                simplex[corner] = (point, cost(&point));
+            for corner in &mut simplex[1..] {
+                let point: [f64; N] = std::array::from_fn(|axis| 0.5 * (best.0[axis] + corner.0[axis]));
+                *corner = (point, cost(&point));
             }
         }
     }
@@ -56,7 +56,10 @@ mod tests {
 
     #[test]
     fn it_finds_the_end_of_a_bent_valley() {
-        let rosenbrock = |[x, y]: &[f64; 2]| (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2);
+        let rosenbrock = |[x, y]: &[f64; 2]| {
+            let (one, other) = (1.0 - x, y - x * x);
+            one * one + 100.0 * other * other
+        };
         let ([x, y], least) = minimise([-1.2, 1.0], [0.5, 0.5], rosenbrock);
         assert!((x - 1.0).abs() < 1e-3 && (y - 1.0).abs() < 1e-3 && least < 1e-6, "{x} {y} {least}");
     }

@@ -8,7 +8,7 @@ fn record(speed_mps: f64, mut fly: impl FnMut(&State, &Setpoint) -> State) -> Re
     const STEP_S: f64 = 0.01;
     let settings = StepSettings { speed_mps, course_rad: 0.5, altitude_m: 100.0, area_m: 3_000.0 };
     let mut flight = StepFlight::new(settings);
-    let mut recording = Recording { has_wings: true, ..Recording::default() };
+    let mut recording = Recording::default();
     let mut state = State { altitude_m: 100.0, speed_mps, course_rad: 0.5, ..State::default() };
     let mut last: Option<Setpoint> = None;
     let mut setpoint = state.hold();

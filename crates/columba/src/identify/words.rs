@@ -99,13 +99,13 @@ fn left(rms: f64) -> String {
     format!("rms {:.1} % of the step{verdict}", 100.0 * rms)
 }
 
-/// An airframe file with what is known: what is not stays as the base has it. `limits` are lines of what else is known
-/// of the vehicle.
-pub fn airframe_toml(identified: &Identified, base: &str, whence: &str) -> String {
+/// An airframe file with what is known: what is not stays as the base has it.
+pub fn airframe_toml(identified: &Identified, whence: &str) -> String {
     let mut text = format!("# Identified by `columba identify` from {whence}.\n");
     for line in told(identified).lines() {
         let _ = writeln!(text, "# {line}");
     }
+    let base = if identified.has_wings { "plane" } else { "paper" };
     let _ = write!(
         text,
         "\n[airframe]\nbase = \"{base}\"\n# A simulated vehicle flies Eq. 1 with these constants; \"plant\": the plant of \

@@ -19,6 +19,8 @@ pub struct CourseLoopSettings {
     pub bank_frequency_radps: f64,
     /// Damping of the bank.
     pub bank_damping: f64,
+    /// Fastest roll, rad/s.
+    pub bank_rate_max_radps: f64,
     /// Natural frequency of the lift, rad/s.
     pub lift_frequency_radps: f64,
     /// Damping of the lift.
@@ -40,14 +42,15 @@ impl CourseLoopSettings {
         Self {
             dead_time_s: 0.1,
             bank_per_error: 50_f64.to_radians(),
-            bank_frequency_radps: 4.15,
-            bank_damping: 0.53,
-            lift_frequency_radps: 2.74,
-            lift_damping: 0.175,
-            turn_share_first: 1.31,
-            turn_share_settled: 0.726,
-            slip_frequency_radps: 4.07,
-            slip_damping: 0.40,
+            bank_frequency_radps: 4.43,
+            bank_damping: 0.354,
+            bank_rate_max_radps: 1.76,
+            lift_frequency_radps: 3.08,
+            lift_damping: 0.106,
+            turn_share_first: 1.19,
+            turn_share_settled: 0.733,
+            slip_frequency_radps: 4.59,
+            slip_damping: 0.25,
         }
     }
 
@@ -58,6 +61,7 @@ impl CourseLoopSettings {
             bank_per_error: 0.9,
             bank_frequency_radps: 5.1,
             bank_damping: 1.5,
+            bank_rate_max_radps: 3.0,
             lift_frequency_radps: 50.0,
             lift_damping: 1.0,
             turn_share_first: 1.0,
@@ -72,6 +76,7 @@ impl CourseLoopSettings {
         ranges.within("bank_per_error", self.bank_per_error, 0.01, 20.0);
         ranges.within("bank_frequency_radps", self.bank_frequency_radps, 0.05, 50.0);
         ranges.within("bank_damping", self.bank_damping, 0.05, 10.0);
+        ranges.within("bank_rate_max_radps", self.bank_rate_max_radps, 0.05, 20.0);
         ranges.within("lift_frequency_radps", self.lift_frequency_radps, 0.05, 50.0);
         ranges.within("lift_damping", self.lift_damping, 0.05, 10.0);
         ranges.within("turn_share_first", self.turn_share_first, 0.1, 3.0);
@@ -94,8 +99,8 @@ pub(super) struct CourseLoop {
     slip: SecondOrder,
 }
 
-/// A bank overshoots its limit by no more, rad: 5 degrees, as measured. Its tangent stays finite.
-const OVERSHOOT_MAX_RAD: f64 = 0.087;
+/// A bank overshoots its limit by no more, rad: 11 degrees. Its tangent stays finite.
+const OVERSHOOT_MAX_RAD: f64 = 0.19;
 const BANK_MAX_RAD: f64 = 1.5;
 /// Nor does it turn faster where it hardly flies, m/s.
 const SPEED_LEAST_MPS: f64 = 1.0;
@@ -132,7 +137,7 @@ impl CourseLoop {
         let settings = &self.settings;
         let limit_rad = libm::atan(limits.lateral_overload_max);
         let wanted_rad = bank_rad.clamp(-limit_rad, limit_rad);
-        self.bank.step(wanted_rad);
+        self.bank.step_limited(wanted_rad, settings.bank_rate_max_radps, self.step_s);
         self.bank.stop_at((limit_rad + OVERSHOOT_MAX_RAD).min(BANK_MAX_RAD));
         let bank_rad = self.bank.value;
         let (sin, cos) = libm::sincos(bank_rad);

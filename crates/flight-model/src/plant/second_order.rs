@@ -43,6 +43,16 @@ impl SecondOrder {
         self.value
     }
 
+    /// The same, with a derivative of at most so much, 1/s.
+    pub fn step_limited(&mut self, input: f64, rate_max: f64, step_s: f64) {
+        let before = self.value;
+        self.step(input);
+        if self.rate.abs() > rate_max {
+            self.rate = rate_max.copysign(self.rate);
+            self.value = before + self.rate * step_s;
+        }
+    }
+
     /// At plus or minus a bound it stops.
     pub fn stop_at(&mut self, bound: f64) {
         if self.value.abs() > bound {

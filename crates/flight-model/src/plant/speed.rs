@@ -118,7 +118,7 @@ impl SpeedLoop {
         let settings = &self.settings;
         let least_mps = limits.speed_min_mps.min(self.airspeed_mps());
         let most_mps = limits.speed_max_mps.max(self.airspeed_mps());
-        let wanted_mps = setpoint_mps.clamp(limits.speed_min_mps, limits.speed_max_mps) + settings.standing_error_mps;
+        let wanted_mps = (setpoint_mps + settings.standing_error_mps).clamp(limits.speed_min_mps, limits.speed_max_mps);
         let change_mps = (wanted_mps - self.demand_mps)
             .clamp(-settings.deceleration_max_mps2 * self.step_s, settings.acceleration_max_mps2 * self.step_s);
         self.demand_mps += change_mps;
