@@ -1,6 +1,7 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use super::airframe::AirframeKey;
+use super::fleet::AirframesTable;
 use super::obstacles::{ObstacleTable, ObstaclesTable};
 use super::parameters::ParametersTable;
 use super::swarm::Place;
@@ -51,6 +52,9 @@ pub struct ScenarioFile {
     /// What the dynamics start from; the paper's where absent.
     #[serde(default)]
     pub airframe: Option<AirframeKey>,
+    /// Airframes of single vehicles.
+    #[serde(default)]
+    pub airframes: Vec<AirframesTable>,
     /// How vehicles fly (Eq. 1 and 3).
     #[serde(default)]
     pub dynamics: DynamicsTable,
@@ -169,7 +173,7 @@ pub struct FlockTable {
 }
 
 /// One vehicle's start, in the air.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleTable {
     /// North of the origin, m.
@@ -183,6 +187,9 @@ pub struct VehicleTable {
     /// Degrees from north towards east.
     #[serde(default)]
     pub course_deg: f64,
+    /// Its own airframe; that of all where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub airframe: Option<AirframeKey>,
 }
 
 /// Many vehicles' starts.

@@ -12,6 +12,7 @@ mod diagnostics;
 mod fault;
 mod file;
 pub mod flags;
+mod fleet;
 mod layer;
 mod locate;
 mod obstacles;
@@ -132,6 +133,9 @@ fn read(provenance: &Provenance, faults: &mut Faults) -> Option<ScenarioFile> {
     }
     if let Some(Err(message)) = provenance.airframe(&file) {
         faults.add_placed([(0, message)]);
+    }
+    if let Err(messages) = fleet::airframes(&file, provenance) {
+        faults.add_placed(messages.into_iter().map(|message| (0, message)));
     }
     check::tables(&file, faults);
     Some(file)
