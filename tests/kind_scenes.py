@@ -1,4 +1,7 @@
-"""Scenes of the kinds of faults that other people's scripts found: params that modify a command, selectors, value sets."""
+"""Scenes of the kinds of faults that other people's scripts found: params that modify a command, selectors, value sets,
+which item is current, which bits of a mask count."""
+
+import math
 
 from differential import scene
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -9,6 +12,7 @@ INTERVAL, REBOOT, SPEED = (
     mavlink.MAV_CMD_DO_CHANGE_SPEED,
 )
 GUIDED, AUTO, RTL = 15, 10, 11
+FRAMES = range(22)
 
 
 @scene
@@ -77,3 +81,54 @@ def kinds_of_speed(talk):
     for kind in range(4):
         with talk.step(f"a heading of kind {kind}"):
             talk.long(mavlink.MAV_CMD_GUIDED_CHANGE_HEADING, kind, 90, 20)
+
+
+@scene
+def altitude_frames(talk):
+    talk.take_off()
+    talk.mode(GUIDED)
+    talk.settle()
+    here = talk.place(0, 0)
+    for frame in FRAMES:
+        with talk.step(f"a guided altitude in frame {frame}"):
+            talk.int(mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE, z=70, frame=frame)
+    talk.mode(RTL)
+    talk.mode(GUIDED)
+    talk.settle()
+    for frame in FRAMES:
+        with talk.step(f"an altitude in frame {frame}"):
+            talk.long(mavlink.MAV_CMD_DO_CHANGE_ALTITUDE, 70, frame)
+        with talk.step(f"a place in frame {frame}"):
+            talk.int(mavlink.MAV_CMD_DO_REPOSITION, -1, 0, 0, 0, *here, 70, frame=frame)
+
+
+@scene
+def attitudes(talk):
+    talk.take_off()
+    talk.mode(GUIDED)
+    talk.settle()
+    for mask in (0x00, 0x07, 0x47, 0x80, 0xC0, 0xC6, 0xC5, 0xC3, 0xC7, 0xBF, 0x87):
+        with talk.step(f"an attitude with the mask {mask:#04x}"):
+            talk.answers += flown(talk, mask)
+        # Forgotten after 3 s.
+        talk.rest(5)
+
+
+def flown(talk, mask, roll_deg=-25, pitch_deg=14, thrust=0.55):
+    """What of an attitude that is sent again and again is flown. A real plane does not keep up a pitch without throttle."""
+    (sr, cr), (sp, cp) = ((math.sin(a), math.cos(a)) for a in (math.radians(roll_deg) / 2, math.radians(pitch_deg) / 2))
+    rolls, pitches = [], []
+    end = talk.beats + 6
+    while talk.beats < end:
+        talk.mav.set_attitude_target_send(
+            0, talk.system, talk.component, mask, [cr * cp, sr * cp, cr * sp, -sr * sp], 0, 0, 0, thrust
+        )
+        if talk.hear().get_type() == "ATTITUDE":
+            rolls.append(math.degrees(talk.newest["ATTITUDE"].roll))
+            pitches.append(math.degrees(talk.newest["ATTITUDE"].pitch))
+    follows = {
+        "banks": min(rolls) < 0.7 * roll_deg,
+        "pitches": max(pitches) > 0.7 * pitch_deg,
+        "throttles": talk.newest["VFR_HUD"].throttle == round(100 * thrust),
+    }
+    return [word for word, is_so in follows.items() if is_so]

@@ -79,4 +79,6 @@ class Uploader:
         while len(items) < count:
             item = self.ask(ask_for_item, "MISSION_ITEM_INT")
             items[item.seq] = item
+        # A PX4 goes on with a download until that is heard.
+        self.link.mav.mission_ack_send(self.system, 1, mavlink.MAV_MISSION_ACCEPTED, self.plan)
         return [items[seq] for seq in range(count)]

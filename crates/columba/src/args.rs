@@ -77,6 +77,11 @@ pub enum Command {
     /// where it does not, and writes an airframe file that scenarios name.
     #[command(after_long_help = help::IDENTIFY)]
     Identify(IdentifyArgs),
+    /// Shows any autopilots that speak on a link, or telemetry logs, on a page in the browser. Flies nothing.
+    ///
+    /// Without a file it listens on UDP 14550, where autopilots send their telemetry by default.
+    #[command(after_long_help = help::VIEW)]
+    View(WatchArgs),
     /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while
     /// it flew.
     Recover(RecoverArgs),
@@ -117,6 +122,9 @@ pub struct RunArgs {
     /// Flies in real time instead of lockstep, K times as fast as the wall clock: 0.01 to 100.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = speed)]
     pub speed: Option<f64>,
+    /// The page.
+    #[command(flatten)]
+    pub view: ViewArgs,
 }
 
 /// `columba vehicles`.
@@ -140,6 +148,9 @@ pub struct VehiclesArgs {
     /// Prints the table of vehicles as JSON.
     #[arg(long)]
     pub json: bool,
+    /// The page.
+    #[command(flatten)]
+    pub view: ViewArgs,
 }
 
 /// `columba fly`.
@@ -159,6 +170,9 @@ pub struct FlyArgs {
     /// The ground station.
     #[command(flatten)]
     pub station: StationArgs,
+    /// The page.
+    #[command(flatten)]
+    pub view: ViewArgs,
 }
 
 /// What `fly` tells its ground station.
@@ -208,6 +222,23 @@ pub struct IdentifyArgs {
 fn area(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "must be a number from 100 to 100000".to_owned())?;
     if (100.0..=100_000.0).contains(&value) { Ok(value) } else { Err("must be a number from 100 to 100000".to_owned()) }
+}
+
+/// `columba view`.
+#[derive(Debug, Args)]
+pub struct WatchArgs {
+    /// Telemetry logs (tlog) to play back, of Columba or of any ground station. Several are played together.
+    #[arg(value_name = "TLOG", conflicts_with = "link")]
+    pub logs: Vec<PathBuf>,
+    /// A link to listen to, as udpin:127.0.0.1:14550, tcp:HOST:PORT or /dev/ttyUSB0,57600. May be given several times.
+    #[arg(long, value_name = "LINK")]
+    pub link: Vec<Connection>,
+    /// Sends nothing on the links: neither heartbeats, nor requests for positions that do not come by themselves.
+    #[arg(long, conflicts_with = "logs")]
+    pub silent: bool,
+    /// Where the page is: a port on this machine, 0 for any free one, or an address with a port.
+    #[arg(long, value_name = "ADDRESS", default_value = "0")]
+    pub view: String,
 }
 
 /// `columba recover`.
@@ -313,6 +344,15 @@ pub struct FolderArgs {
     /// Writes no report and no figures, only the record.
     #[arg(long)]
     pub no_report: bool,
+}
+
+/// The page in the browser.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// Shows the flight on a page in the browser, and prints its address. On this machine only and on a free port,
+    /// unless a port (--view=8080) or an address (--view=0.0.0.0:8080) is named.
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = "0")]
+    pub view: Option<String>,
 }
 
 /// What carries states and setpoints.

@@ -73,7 +73,7 @@ wrong.";
 /// Of `columba identify`.
 pub const IDENTIFY: &str = "\
 Examples:
-  columba vehicles --count 1 --vehicle-port 14600 & columba identify
+  columba vehicles --count 1 & columba identify
       a simulated plane, from rest at 20 m/s and 100 m; the airframe file is in runs/identify/
   columba identify --link udpin:127.0.0.1:14550 --origin home
       a real plane, from the ground on
@@ -86,6 +86,22 @@ It takes about five minutes and 1.5 km at 20 m/s. A scenario names the file: air
 
 Exit status: 0 speed, course and altitude of every vehicle are known, 1 one is not (which is printed, and why), 2 the \
 arguments or a file are wrong.";
+
+/// Of `columba view`.
+pub const VIEW: &str = "\
+Examples:
+  columba view
+      whoever sends telemetry to UDP 14550
+  columba view --link tcp:127.0.0.1:5760 --link udpin:127.0.0.1:14560
+      two links on one page
+  columba view --silent --link udpin:0.0.0.0:14550
+      from other machines too, and nothing is sent to them
+  columba view runs/paper/flight.tlog
+      plays a log back, with pause, speed, scrub and step
+  columba view one.tlog two.tlog --view 8080
+      two logs together, on a port of your choice
+
+The program prints the address of the page and runs until Ctrl-C.";
 
 /// Of `columba compare`.
 pub const COMPARE: &str = "\
@@ -165,7 +181,7 @@ mod tests {
     #[test]
     fn the_examples_are_command_lines() {
         let mut examples = 0;
-        for text in [RUN, VEHICLES, FLY, IDENTIFY, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
+        for text in [RUN, VEHICLES, FLY, IDENTIFY, VIEW, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
             for line in text.lines().filter(|line| line.starts_with("  columba ")) {
                 // What the shell does with a command is not the program's.
                 let command = line.split(" > ").next().unwrap();

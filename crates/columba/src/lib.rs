@@ -17,3 +17,4 @@ pub mod report;
 pub mod smoothness;
 pub mod station;
 pub mod suites;
+pub mod view;

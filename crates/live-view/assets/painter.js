@@ -19,14 +19,15 @@ void main() {
   int corner = gl_VertexID % 3;
   vec2 at = corner == 0 ? vec2(1.0, 0.0) : corner == 1 ? vec2(-0.75, 0.62) : vec2(-0.75, -0.62);
   at = size * (at.x * way + at.y * vec2(-way.y, way.x));
-  gl_Position = vec4(here.xy + at * pixel * here.w, 0.0, here.w);
+  // What is behind the camera is cut off by its depth alone: nothing hides anything else.
+  gl_Position = vec4(here.xy + at * pixel * here.w, here.w - 0.1, here.w);
   shade = colour;
 }`;
 const SHAPE_VERTEX = `#version 300 es
 uniform mat4 camera;
 layout(location = 0) in vec3 place; layout(location = 2) in vec4 colour;
 out vec4 shade;
-void main() { gl_Position = camera * vec4(place, 1.0); gl_Position.z = 0.0; shade = colour; }`;
+void main() { gl_Position = camera * vec4(place, 1.0); gl_Position.z = gl_Position.w - 0.1; shade = colour; }`;
 const FRAGMENT = `#version 300 es
 precision mediump float; in vec4 shade; out vec4 painted;
 void main() { painted = vec4(shade.rgb * shade.a, shade.a); }`;

@@ -178,7 +178,7 @@ export class Player {
 
 /** Where everybody is at the shown time. */
 export class Flock {
-  constructor() { this.n = 0; this.capacity = 0; }
+  constructor() { this.n = 0; this.capacity = 0; this.reserve(1); }
   reserve(n) {
     if (n <= this.capacity) return;
     this.capacity = Math.max(16, 2 * n);

@@ -7,7 +7,7 @@ import { Flock } from "./player.js";
 import { FLAG } from "./wire.js";
 
 /** Trails are drawn for so many vehicles, and reach back so far, s. */
-const TRAILS_MAX = 500, TRAIL_S = 20;
+const TRAILS_MAX = 500, TRAIL_S = 20, TRAIL_OF_MANY_S = 6;
 const CIRCLE_CORNERS = 48;
 /** Circles are cylinders without an end; so much of them is drawn above the flock, m. */
 const CYLINDER_ABOVE_M = 30;
@@ -151,7 +151,8 @@ export class Stage {
     const whose = flock.n <= TRAILS_MAX ? null : [...this.selected];
     const trails = new Shapes(4096);
     if (whose === null || whose.length) {
-      const until = player.now, from = until - TRAIL_S;
+      const span = flock.n > 100 ? TRAIL_OF_MANY_S : TRAIL_S;
+      const until = player.now, from = until - span;
       const first = player.indexAt(from);
       const last = player.indexAt(until);
       const moments = player.moments.slice(first, last + 1).filter((moment) => moment.time >= from && moment.time <= until);
@@ -165,7 +166,7 @@ export class Stage {
           if (!moment || i >= moment.n) break;
           const here = before ? [moment.x(i), moment.y(i), moment.altitude(i), moment.time] : [flock.x[i], flock.y[i], flock.z[i], until];
           if (before && Number.isFinite(here[0]) && Number.isFinite(before[0])) {
-            const opacity = Math.round(200 * Math.max(0, 1 - (until - here[3]) / TRAIL_S));
+            const opacity = Math.round(200 * Math.max(0, 1 - (until - here[3]) / span));
             const colour = (base | (opacity << 24)) >>> 0;
             trails.corner(before[0], before[1], before[2], colour);
             trails.corner(here[0], here[1], here[2], colour);

@@ -71,6 +71,8 @@ pub struct Wind {
 pub struct Frame {
     /// Flight time, s.
     pub time_s: f64,
+    /// What the vehicles' own clocks showed at flight time zero, s: for feeds that know only those.
+    pub zero_s: f64,
     /// Flight seconds for each second of the wall clock; 0 while it stands still.
     pub rate: f64,
     /// Where the flight is, in a word or two.

@@ -192,7 +192,7 @@ impl<'a> Candidate<'a> {
 
 impl Frame<'_> {
     /// Length of a frame in bytes by its first three; none if the first is no start byte.
-    pub(crate) fn length(start: u8, payload_length: u8, incompatibility_flags: u8) -> Option<usize> {
+    pub fn length(start: u8, payload_length: u8, incompatibility_flags: u8) -> Option<usize> {
         let payload_length = usize::from(payload_length);
         match start {
             V1_START => Some(V1_HEADER + payload_length + CHECKSUM),

@@ -298,6 +298,11 @@ impl Vehicle {
         self.component.autopilot.flight.is_armed()
     }
 
+    /// Whether it stands on the ground.
+    pub fn is_on_ground(&self) -> bool {
+        self.component.autopilot.flight.is_on_ground()
+    }
+
     /// Whether something is amiss: the lack of setpoints took it out of GUIDED and nobody has set a mode since, its
     /// ground station or its GPS is missing, its battery is low, its engine has failed.
     pub fn is_in_failsafe(&self) -> bool {

@@ -116,7 +116,9 @@ fn data_streams_are_set_for_the_asking_link_and_cut_to_what_it_can() {
     client.fly(1.0);
     let mut ids: Vec<u32> = client.collect().iter().map(Message::message_id).collect();
     ids.sort_unstable();
-    assert_eq!(ids, [1, 2, 24, 27, 29, 30, 32, 33, 42, 62, 65, 74, 87, 147]);
+    // Beside them those of ArduPilot's own dialect.
+    let expected = [1, 2, 24, 27, 29, 30, 32, 33, 36, 42, 62, 65, 74, 87, 116, 125, 129, 136, 137, 147, 241, 295];
+    assert_eq!(ids, expected);
 }
 
 #[test]

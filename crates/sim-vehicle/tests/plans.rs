@@ -170,7 +170,7 @@ fn a_fence_that_makes_no_sense_is_refused_in_the_end_and_the_old_one_stays() {
 
 #[test]
 fn who_uploads_may_begin_anew_with_another_count_or_break_off() {
-    let mut client = Client::new(VehicleSettings { personality: Personality::Px4, ..quiet() });
+    let mut client = Client::new(VehicleSettings { personality: Personality::Generic, ..quiet() });
     client.ask(&count(FENCE, 9));
     send_item(&mut client, FENCE, 0, &square(100.0)[0]);
     assert_eq!(upload(&mut client, FENCE, &square(200.0)), MAV_MISSION_ACCEPTED);

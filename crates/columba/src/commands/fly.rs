@@ -13,7 +13,9 @@ use crate::record::RunFolder;
 use crate::station::frames::Origin;
 use crate::station::vehicle::Route;
 use crate::station::{self, Station, shell};
+use crate::view::{self, FlockView, StationView};
 use anyhow::{Context, anyhow};
+use live_view::LiveView;
 use mavlink_bridge::ImpairmentSettings;
 use mavlink_bridge::link::{Connection, HostPort, LinkSpec, Links, Peer, SigningKey};
 use sim_vehicle::NETWORK_VEHICLES_MAX;
@@ -45,11 +47,16 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     }
     start_threads(cli)?;
     let stop = stop_on_signal()?;
+    let view = view::open(&args.view)?;
     if !by_tick_loop {
-        let (folder, flight) = from_the_ground(cli, args, &scenario, addresses.unwrap_or_default(), None, stop)?;
+        let (folder, flight) = from_the_ground(cli, args, &scenario, addresses.unwrap_or_default(), None, view, stop)?;
         return conclude_station(cli, &scenario, &folder, &flight, args);
     }
-    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
+    if let Some(view) = &view {
+        view.feed().scene(view::scene_of(&scenario, "columba fly"));
+    }
+    let shown = view.as_ref().map(|view| FlockView::new(view.feed(), false));
+    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet).with_view(shown);
     let (folder, flight, log) = block_on(async {
         let address = SocketAddr::new(scenario.link.host, scenario.link.ground_port.unwrap_or(GROUND_PORT));
         let mut ground =
@@ -79,8 +86,9 @@ pub(super) struct Flown {
 /// Flies steps in the place of what a flock would decide, and writes the folder of the run.
 pub(super) fn steps(cli: &Cli, args: &FlyArgs, scenario: Scenario, steps: StepFlight) -> Result<Flown, Failure> {
     let stop = stop_on_signal()?;
+    let view = view::open(&args.view)?;
     let addresses = addresses(&scenario).unwrap_or_default();
-    let (folder, flight) = from_the_ground(cli, args, &scenario, addresses, Some(steps), stop)?;
+    let (folder, flight) = from_the_ground(cli, args, &scenario, addresses, Some(steps), view, stop)?;
     let failure = match conclude_station(cli, &scenario, &folder, &flight, args) {
         Ok(()) => None,
         Err(Failure::Flight(why)) => Some(why),
@@ -96,6 +104,7 @@ fn from_the_ground(
     scenario: &Scenario,
     addresses: Vec<SocketAddr>,
     steps: Option<StepFlight>,
+    view: Option<LiveView>,
     stop: flying::Stop,
 ) -> Result<(RunFolder, Flight), Failure> {
     let wanted = scenario.starts.len();
@@ -138,7 +147,8 @@ fn from_the_ground(
     };
     let started = Instant::now();
     let station = Station::new(scenario.clone(), settings, Box::new(move || started.elapsed()));
-    let around = shell::Surroundings { links, connections, key, speed: args.speed, quiet: cli.quiet };
+    let view = view.map(|view| StationView::new(view, scenario));
+    let around = shell::Surroundings { links, connections, key, speed: args.speed, quiet: cli.quiet, view };
     let flight = block_on(shell::run(station, around, folder.path(), stop))?;
     Ok((folder, flight))
 }

@@ -10,6 +10,7 @@ mod run;
 mod suites;
 mod table;
 mod vehicles;
+mod view;
 
 pub use check::check;
 pub use compare::compare;
@@ -20,6 +21,7 @@ pub use recover::recover;
 pub use run::run;
 pub use suites::suites;
 pub use vehicles::vehicles;
+pub use view::view;
 
 use crate::args::{Cli, FolderArgs};
 use crate::config::Scenario;

@@ -9,7 +9,9 @@ use crate::config::{self, Scenario, VEHICLE_PORT};
 use crate::flight::Flight;
 use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Log, Progress, RealTime, Stop};
 use crate::record::RunFolder;
+use crate::view::{self, FlockView};
 use anyhow::anyhow;
+use live_view::LiveView;
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{Host, HostReport};
 use std::net::SocketAddr;
@@ -24,15 +26,25 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
     }
     start_threads(cli)?;
     let stop = stop_on_signal()?;
-    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet);
+    let view = view::open(&args.view)?;
+    if let Some(view) = &view {
+        view.feed().scene(view::scene_of(&scenario, "columba run"));
+        if args.speed.is_none() && !cli.quiet {
+            eprintln!("columba: simulated time is over before it is seen: --speed 1 flies by the clock");
+        }
+    }
+    let over_udp_too = args.transport == Transport::Udp;
+    let shown = view.as_ref().map(|view| FlockView::new(view.feed(), over_udp_too));
+    let progress = Progress::new(scenario.ticks(), scenario.control_period, cli.quiet).with_view(shown);
     let (folder, flight, log) = match args.transport {
         Transport::Memory => {
             let folder = open_folder(&scenario, &args.folder)?;
             (folder, flying::fly_in_memory(&scenario, &progress, &stop)?, None)
         }
-        Transport::Udp => over_udp(&scenario, args, &progress, stop)?,
+        Transport::Udp => over_udp(&scenario, args, view.as_ref(), &progress, stop)?,
     };
     drop(progress);
+    drop(view);
     conclude(cli, &scenario, &folder, &flight, log, !args.folder.no_report)
 }
 
@@ -40,6 +52,7 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
 fn over_udp(
     scenario: &Scenario,
     args: &RunArgs,
+    view: Option<&LiveView>,
     progress: &Progress,
     stop: Stop,
 ) -> anyhow::Result<(RunFolder, Flight, Option<Log>)> {
@@ -53,6 +66,10 @@ fn over_udp(
         // Nobody else needs to find the vehicles of a run in lockstep, and several such runs share a machine.
         let base_port = scenario.link.vehicle_port.unwrap_or(if speed.is_some() { VEHICLE_PORT } else { 0 });
         let (observer, ground_truth) = GroundTruth::observed(scenario.starts.len(), scenario.integration_step);
+        let observer = match view {
+            Some(view) => view::watch_vehicles(view.feed(), observer, speed),
+            None => observer,
+        };
         let vehicles = flying::led_vehicle_settings(scenario, Some(ground.address()?), epoch_us);
         // The link's impairment is the ground's: both directions pass there once.
         let settings = flying::host_settings(scenario, clock, base_port, LinkSettings::default());

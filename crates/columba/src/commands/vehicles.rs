@@ -5,9 +5,10 @@ use super::{Failure, allow_ports, block_on, stop_on_signal, vehicle_port_refused
 use crate::args::{Cli, VehiclesArgs};
 use crate::config::{self, GROUND_PORT, Layer, PLANE, Scenario, VEHICLE_PORT};
 use crate::flying;
+use crate::view;
 use anyhow::{Context, anyhow};
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Host, HostError, HostReport, HostSettings, PortLayout, Vehicle};
+use sim_vehicle::{Host, HostError, HostReport, HostSettings, Observer, PortLayout, Vehicle};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -40,6 +41,10 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     for (index, vehicle) in vehicles.iter_mut().enumerate() {
         vehicle.ground = ground(&scenario, index);
     }
+    let view = view::open(&args.view)?;
+    if let Some(view) = &view {
+        view.feed().scene(view::scene_of(&scenario, "columba vehicles"));
+    }
     let report = block_on(async {
         let host = Host::bind(&settings, vehicles).map_err(|error| match error {
             HostError::Link(_) | HostError::Tcp { .. } | HostError::TooManyPorts { .. } => {
@@ -57,7 +62,11 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
             let mut out = std::io::stdout().lock();
             out.write_all(words.as_bytes()).and_then(|()| out.flush()).context("cannot print the table of vehicles")?;
         }
-        Ok(host.run(Arc::new(|_| {}), stop).await?)
+        let observer: Observer = match &view {
+            Some(view) => view::watch_vehicles(view.feed(), Arc::new(|_| {}), speed),
+            None => Arc::new(|_| {}),
+        };
+        Ok(host.run(observer, stop).await?)
     })?;
     tracing::info!(wire = ?report.wire, "vehicles stopped");
     tell_speed(&report);

@@ -1,5 +1,9 @@
-//! How far a flight is, or many of something, on a terminal that someone watches.
+//! How far a flight is, or many of something, for those who watch: on the terminal, and on the page of `--view`.
 
+use super::Recorder;
+use crate::view::FlockView;
+use controller::Decision;
+use flight_model::State;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -8,12 +12,26 @@ use std::time::Duration;
 pub struct Progress {
     bar: ProgressBar,
     period: Duration,
+    view: Option<FlockView>,
 }
 
 impl Progress {
     /// A bar for a flight of `ticks`, drawn only on a terminal and only unless `quiet`.
     pub fn new(ticks: u64, period: Duration, quiet: bool) -> Self {
-        Self { bar: bar(ticks, "{msg} {percent:>3} %", quiet), period }
+        Self { bar: bar(ticks, "{msg} {percent:>3} %", quiet), period, view: None }
+    }
+
+    /// The same, shown on a page too.
+    pub fn with_view(mut self, view: Option<FlockView>) -> Self {
+        self.view = view;
+        self
+    }
+
+    /// A tick: what the controller saw and decided.
+    pub fn decided(&self, now: Duration, states: &[State], decisions: &[Decision], recorder: &Recorder) {
+        if let Some(view) = &self.view {
+            view.tick(now, states, decisions, || recorder.verdict());
+        }
     }
 
     /// So many ticks are flown.

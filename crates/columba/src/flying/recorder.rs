@@ -3,7 +3,7 @@
 use super::{FlightError, Interval};
 use crate::config::Scenario;
 use crate::flight::{Field, Flight, Obstacle, Row, Setting, Summary, Tick, Trajectory, vehicle_number};
-use crate::judge::{COLLISION_DISTANCE_M, Judge, Minima};
+use crate::judge::{COLLISION_DISTANCE_M, Judge, Minima, Verdict};
 use controller::Decision;
 use flight_model::{Setpoint, State};
 use std::time::{Duration, Instant};
@@ -93,6 +93,11 @@ impl Recorder {
         let Interval { start, step, tracks } = interval;
         self.minima = self.judge.interval(start.as_secs_f64(), step.as_secs_f64(), tracks);
         self.minima
+    }
+
+    /// What the flight has come to so far.
+    pub fn verdict(&self) -> Verdict {
+        self.judge.verdict()
     }
 
     /// The flight as it is to be written.

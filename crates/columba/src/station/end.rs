@@ -113,7 +113,9 @@ impl End {
     fn leave(&mut self, station: &mut Station, index: usize, now: Duration) -> bool {
         let vehicle = &station.vehicles[index];
         let Some(driver) = vehicle.driver().cloned() else { return false };
-        let at_end = station.settings.at_end;
+        // What the operator wished for this one alone counts more.
+        let was_sent = vehicle.dropped && vehicle.dropped_to != AtEnd::Loiter;
+        let at_end = if was_sent { vehicle.dropped_to } else { station.settings.at_end };
         // A pilot has it, or the operator keeps it out: it is not ours to command.
         if vehicle.released.is_some() || !vehicle.armed {
             return false;

@@ -101,6 +101,16 @@ impl Fly {
         self.judge.recent_m()
     }
 
+    /// What the flock last chose for a vehicle of the crew: its setpoint and its weights.
+    pub fn chosen(&self, index: usize) -> Option<(Setpoint, [f64; 3])> {
+        if let Some(pending) = self.pending.back() {
+            return pending.rows.get(index).copied().flatten();
+        }
+        let last = self.trajectory.rows.len().checked_sub(self.trajectory.vehicles)?;
+        let row = self.trajectory.rows.get(last + index)?;
+        row.setpoint.is_finite().then_some((row.setpoint, row.alpha))
+    }
+
     /// Whether the operator has paused it, and not all vehicles follow again.
     pub fn is_paused(&self) -> bool {
         self.paused || self.resuming
@@ -283,9 +293,14 @@ impl Fly {
                     (self.paused, self.resuming) = (false, true);
                     station.told.tell(now_s, None, Weight::Note, "resumed by the operator");
                 }
-                Verb::Drop(vehicle) if station.crew().contains(&(vehicle - 1)) => {
+                Verb::Drop(vehicle, at_end) if station.crew().contains(&(vehicle - 1)) => {
                     station.vehicles[vehicle - 1].dropped = true;
-                    let text = "dropped by the operator: it holds where it is, and is flown no more";
+                    station.vehicles[vehicle - 1].dropped_to = at_end;
+                    let text = match at_end {
+                        AtEnd::Return => "dropped by the operator: it returns, and is flown no more",
+                        AtEnd::Land => "dropped by the operator: it lands, and is flown no more",
+                        _ => "dropped by the operator: it holds where it is, and is flown no more",
+                    };
                     station.told.tell(now_s, Some(number(vehicle - 1)), Weight::Warning, text);
                 }
                 Verb::Take(vehicle) if station.crew().contains(&(vehicle - 1)) => {
@@ -294,7 +309,7 @@ impl Fly {
                     let text = "taken back by the operator";
                     station.told.tell(now_s, Some(number(vehicle - 1)), Weight::Note, text);
                 }
-                Verb::Drop(vehicle) | Verb::Take(vehicle) => {
+                Verb::Drop(vehicle, _) | Verb::Take(vehicle) => {
                     station.told.tell(now_s, None, Weight::Note, format!("there is no vehicle {vehicle}"));
                 }
                 _ => {}
@@ -304,8 +319,10 @@ impl Fly {
             let vehicle = &station.vehicles[index];
             let Some(driver) = vehicle.driver().cloned() else { continue };
             let holds = vehicle.dropped || (self.paused && vehicle.is_ours());
-            if holds && vehicle.follows() {
-                if let Some(mode) = driver.end_mode(AtEnd::Loiter) {
+            let mode = driver.end_mode(if vehicle.dropped { vehicle.dropped_to } else { AtEnd::Loiter });
+            let is_told_otherwise = vehicle.dropped && vehicle.holds() && mode != Some(vehicle.custom_mode);
+            if holds && (vehicle.follows() || is_told_otherwise) {
+                if let Some(mode) = mode {
                     let message = driver.set_mode(vehicle.target, mode);
                     station.order(index, "hold", message, now);
                     station.vehicles[index].was_told_to_hold(now);

@@ -207,11 +207,27 @@ impl Station {
         self.stop.as_ref()
     }
 
-    /// Takes a verb of the operator.
-    pub fn operate(&mut self, verb: Verb) {
+    /// Takes a verb of the operator; `from` says how it came, as "from the terminal". Who said what when is told.
+    pub fn operate(&mut self, verb: Verb, from: &str) {
+        let now_s = self.polled.unwrap_or_default().as_secs_f64();
+        self.told.tell(now_s, None, Weight::Note, format!("the operator says {verb} ({from})"));
         match verb {
-            Verb::Abort => self.stop("aborted by the operator", true),
+            Verb::Abort(at_end) => {
+                self.settings.at_end = at_end.unwrap_or(self.settings.at_end);
+                self.stop("aborted by the operator", true);
+            }
             other => self.verbs.push(other),
+        }
+    }
+
+    /// Why a verb cannot be carried out, if it cannot.
+    pub fn refuses(&self, verb: Verb) -> Option<String> {
+        match verb {
+            _ if self.is_over() || matches!(self.phase, Phase::End(_)) => Some("the flight is over".to_owned()),
+            Verb::Drop(vehicle, _) | Verb::Take(vehicle) if vehicle > self.scenario.starts.len() => {
+                Some(format!("there is no vehicle {vehicle}"))
+            }
+            _ => None,
         }
     }
 
@@ -333,7 +349,7 @@ impl Station {
     fn answer_operator(&mut self, header: &Header, command: MavCmd, verb: Option<Verb>, route: Route) {
         let result = if verb.is_some() { MavResult::MAV_RESULT_ACCEPTED } else { MavResult::MAV_RESULT_UNSUPPORTED };
         if let Some(verb) = verb {
-            self.operate(verb);
+            self.operate(verb, &format!("by MAVLink, system {}", header.system_id));
         }
         let answer = Message::COMMAND_ACK(COMMAND_ACK_DATA {
             command,

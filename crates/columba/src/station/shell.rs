@@ -5,6 +5,7 @@ use super::vehicle::Route;
 use super::{GROUND, Phase, Station, operator, outcome, table};
 use crate::flight::Flight;
 use crate::flying::Stop;
+use crate::view::StationView;
 use mavlink_bridge::link::{
     Arrival, Connection, Framer, LinkEvent, Links, Peer, Rejected, Signing, SigningKey, signing_time,
 };
@@ -33,6 +34,8 @@ pub struct Surroundings {
     pub speed: f64,
     /// Neither table nor events.
     pub quiet: bool,
+    /// The page, where one is asked for.
+    pub view: Option<StationView>,
 }
 
 /// Flies to the end; everything is in the folder as it flies.
@@ -55,9 +58,10 @@ pub async fn run(mut station: Station, around: Surroundings, folder: &Path, mut 
             },
             () = tokio::time::sleep_until(next_poll) => {}
             Some(line) = lines.recv() => match line.parse::<operator::Verb>() {
-                Ok(verb) => station.operate(verb),
+                Ok(verb) => station.operate(verb, "from the terminal"),
                 Err(error) => if !line.trim().is_empty() { eprintln!("columba: {error}") },
             },
+            Some(said) = next_said(&mut shell.view) => StationView::obey(&mut station, said),
             () = crate::flying::stopped(&mut stop), if !asked_to_stop => {
                 asked_to_stop = true;
                 station.stop("interrupted", true);
@@ -79,6 +83,7 @@ struct Shell {
     signing: Vec<Option<Signing>>,
     speed: f64,
     quiet: bool,
+    view: Option<StationView>,
     recording: Recording,
     started: Instant,
     started_us: u64,
@@ -93,7 +98,7 @@ struct Shell {
 
 impl Shell {
     fn new(around: Surroundings, recording: Recording) -> Self {
-        let Surroundings { links, connections, key, speed, quiet } = around;
+        let Surroundings { links, connections, key, speed, quiet, view } = around;
         let now = unix();
         let signing = (0..connections.len())
             .map(|link| key.clone().map(|key| Signing::new(key, link as u8, signing_time(now))))
@@ -105,6 +110,7 @@ impl Shell {
             signing,
             speed,
             quiet,
+            view,
             recording,
             started: Instant::now(),
             started_us: now.as_micros() as u64,
@@ -240,6 +246,10 @@ impl Shell {
             self.recording.line(record::event_line(event));
         }
         self.events_told = events.len();
+        let station_now = self.now(now);
+        if let Some(view) = &mut self.view {
+            view.show(station, station_now, now, self.speed);
+        }
         if !self.quiet && std::io::stderr().is_terminal() && now >= self.draw_at {
             self.draw_at = now + DRAW;
             self.erase();
@@ -262,6 +272,11 @@ impl Shell {
     }
 
     fn end(mut self, mut station: Station) -> Flight {
+        let refused = self.view.as_ref().and_then(StationView::refused);
+        if let Some(text) = refused {
+            let now_s = self.now(Instant::now()).as_secs_f64();
+            station.told.tell(now_s, None, super::told::Weight::Note, text);
+        }
         self.give(&mut station);
         self.erase();
         let wall = self.started.elapsed();
@@ -296,6 +311,14 @@ impl Shell {
         self.recording.line(record::end_line());
         self.recording.end();
         flight
+    }
+}
+
+/// What is said on the page next; without a page, nothing ever.
+async fn next_said(view: &mut Option<StationView>) -> Option<live_view::Said> {
+    match view {
+        Some(view) => view.next_said().await,
+        None => std::future::pending().await,
     }
 }
 

@@ -124,6 +124,8 @@ pub struct Vehicle {
     pub released: Option<String>,
     /// Whether the operator keeps it out.
     pub dropped: bool,
+    /// What it does then.
+    pub dropped_to: AtEnd,
     /// What it was told last, and when.
     pub setpoint: Option<flight_model::Setpoint>,
     /// When its setpoint was last sent.
@@ -174,6 +176,7 @@ impl Vehicle {
             refusals: 0,
             released: None,
             dropped: false,
+            dropped_to: AtEnd::Loiter,
             setpoint: None,
             setpoint_sent: None,
             is_doubled: false,

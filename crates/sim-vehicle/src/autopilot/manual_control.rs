@@ -5,14 +5,19 @@ use std::time::Duration;
 
 /// ArduPilot's default of RC_OVERRIDE_TIME: how long a channel stays where it was put.
 const OVERRIDE_TIME: Duration = Duration::from_secs(3);
-/// Where the channels are without anybody's hand on them, microseconds: roll, pitch, throttle, rudder, four switches.
-const AT_REST_US: [u16; 8] = [1500, 1500, 1000, 1500, 1800, 1000, 1000, 1800];
+/// How many channels there are.
+pub(crate) const CHANNELS: usize = 16;
+/// Where the channels are without anybody's hand on them, microseconds: roll, pitch, throttle, rudder, four switches,
+/// and eight that the receiver has not.
+const AT_REST_US: [u16; CHANNELS] = [1500, 1500, 1000, 1500, 1800, 1000, 1000, 1800, 0, 0, 0, 0, 0, 0, 0, 0];
+/// What a pulse and its mirror image make together, microseconds.
+const MIRROR_US: u16 = 3000;
 /// Half of the middle of a stick that counts as centred, as a share: ArduPilot's 30 microseconds.
 const DEAD_ZONE: f64 = 0.06;
 
 /// The channels that are overridden: where they are, microseconds, and until when, vehicle time.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Channels([Option<(u16, Duration)>; 8]);
+pub(crate) struct Channels([Option<(u16, Duration)>; CHANNELS]);
 
 impl Channels {
     /// 0 gives a channel back.
@@ -24,9 +29,13 @@ impl Channels {
         self.0[channel].filter(|(_, until)| time < *until).map(|(microseconds, _)| microseconds)
     }
 
-    /// What the sticks say; none while nobody holds any.
-    pub fn sticks(&self, time: Duration) -> Option<Sticks> {
-        let held = [0, 1, 2].map(|channel| self.overridden(channel, time));
+    /// What the sticks say; none while nobody holds any. `reversed` tells of roll, pitch and throttle whether more
+    /// microseconds mean less.
+    pub fn sticks(&self, time: Duration, reversed: [bool; 3]) -> Option<Sticks> {
+        let held = [0, 1, 2].map(|channel| {
+            let pulse_us = self.overridden(channel, time);
+            pulse_us.map(|pulse_us| if reversed[channel] { MIRROR_US.saturating_sub(pulse_us) } else { pulse_us })
+        });
         held.iter().any(Option::is_some).then(|| {
             let [roll, pitch, throttle] = held;
             let deflection = |microseconds: Option<u16>| {
@@ -40,11 +49,16 @@ impl Channels {
 
     /// Whether somebody holds the sticks.
     pub fn are_held(&self, time: Duration) -> bool {
-        self.sticks(time).is_some()
+        (0..3).any(|channel| self.overridden(channel, time).is_some())
     }
 
     /// Where all channels are, microseconds.
-    pub fn positions_us(&self, time: Duration) -> [u16; 8] {
-        std::array::from_fn(|channel| self.overridden(channel, time).unwrap_or(AT_REST_US[channel]))
+    pub fn positions_us(&self, time: Duration) -> [u16; CHANNELS] {
+        std::array::from_fn(|channel| self.position_us(channel, time))
+    }
+
+    /// Where a channel is, microseconds.
+    pub fn position_us(&self, channel: usize, time: Duration) -> u16 {
+        self.overridden(channel, time).unwrap_or(AT_REST_US[channel])
     }
 }

@@ -19,6 +19,7 @@ pub(crate) mod home;
 pub(crate) mod input;
 pub(crate) mod manual_control;
 pub(crate) mod mission;
+pub(crate) mod mode_switch;
 pub(crate) mod pilot;
 pub(crate) mod plan;
 pub(crate) mod rally;
@@ -70,6 +71,8 @@ pub(crate) struct Autopilot {
     /// Whether its time stands still between setpoints.
     is_in_lockstep: bool,
     time: Duration,
+    /// How often it has been switched on.
+    boots: u16,
     pub flight: Flight,
     pub world: World,
     pub parameters: Parameters,
@@ -98,6 +101,7 @@ impl Autopilot {
             loiter_radius_m: settings.loiter_radius_m,
             is_in_lockstep,
             time: Duration::ZERO,
+            boots: 1,
             flight: Flight::new(settings),
             world: World::new(settings, &parameters),
             parameters,
@@ -117,13 +121,16 @@ impl Autopilot {
         self.restart_setpoint_timeout();
     }
 
-    /// As it was switched on, where it stands: parameters and plans are kept, and all that has been told it since is
-    /// gone, its home too. Its time goes on, for the clock does.
+    /// As it was switched on: parameters and plans are kept, and all that has been told it since is gone, its home too.
+    /// A vehicle that started on the ground stands at its start again, as in the autopilots' own simulators; any other
+    /// stays where it is. Its time goes on, for the clock does.
     pub fn reboot(&mut self) {
+        self.boots = self.boots.saturating_add(1);
         if self.flight.is_armed() {
             self.disarm();
         }
         self.session = Session::default();
+        self.flight.stand_at_start();
         self.set_mode(self.boot_mode);
         if self.flight.is_on_ground() {
             self.set_home_here();
@@ -388,6 +395,7 @@ impl Autopilot {
     pub fn parameter_value(&self, parameter: Parameter) -> f32 {
         match parameter {
             Parameter::RunTime => self.time.as_secs() as f32,
+            Parameter::BootCount => f32::from(self.boots),
             Parameter::MissionTotal => self.mission.items().len() as f32,
             Parameter::FenceTotal => self.fence.total() as f32,
             Parameter::RallyTotal => self.rally.items().len() as f32,
@@ -408,33 +416,57 @@ impl Autopilot {
     /// that it is another one, and not the old one with some items changed.
     pub fn replace_plan(&mut self, kind: PlanKind, items: Vec<PlanItem>, anew: bool) -> Result<(), PlanError> {
         match kind {
-            // To a PX4 the same mission again goes on where it is.
-            PlanKind::Mission if self.rules.judges_plans_as_px4 && items == self.mission.items() => {}
             PlanKind::Mission => {
-                let is_feasible = !self.rules.judges_plans_as_px4 || self.judge_mission(&items);
+                let is_feasible = !self.rules.judges_plans_as_px4 || self.judge_mission(&items, false);
                 self.mission.replace(items, is_feasible);
                 self.session.progress.mission_changed(&self.mission, anew, self.rules.resumes_after_upload);
                 if self.mode() == Mode::Auto && !self.mission.is_flyable() {
                     self.end_mission("Mission cleared");
                 }
             }
-            PlanKind::Fence if self.rules.judges_plans_as_px4 => self.replace_fence_parts(&items),
+            PlanKind::Fence if self.rules.judges_plans_as_px4 => {
+                self.replace_fence_parts(&items);
+                self.judge_mission_anew();
+            }
             PlanKind::Fence => self.fence.replace(&items, &self.frame)?,
             PlanKind::Rally => self.rally.replace(&items),
         }
         Ok(())
     }
 
-    /// Whether a PX4 flies a mission; says why not.
-    fn judge_mission(&mut self, items: &[PlanItem]) -> bool {
-        let home_m = self.flight.home().altitude_m;
-        let is_landed = !self.flight.is_flying();
-        let above_home_m = |item: &PlanItem| self.reference().altitude_of(item) - home_m;
-        let verdict = mission::feasibility::check(items, is_landed, above_home_m);
-        if let Err(reason) = &verdict {
-            self.say(Severity::Critical, reason);
+    /// Whether a PX4 flies a mission; says why not, and what it thinks of one that it flies unless that is known.
+    fn judge_mission(&mut self, items: &[PlanItem], is_silent_if_flyable: bool) -> bool {
+        let (reference, here) = (self.reference(), self.flight.here());
+        let get = |parameter: Parameter| self.parameters.get(parameter);
+        let verdict = mission::feasibility::judge(
+            items,
+            &mission::feasibility::Conditions {
+                is_landed: !self.flight.is_flying(),
+                requirements: get(Parameter::MissionRequirements) as u8,
+                landing_angle_deg: f64::from(get(Parameter::LandingAngle)),
+                first_distance_max_m: f64::from(get(Parameter::FirstWaypointDistance)),
+                home: reference.home.at(),
+                place: &|item| reference.place_of(item, here),
+                above_home_m: &|item| reference.altitude_of(item) - reference.home.altitude_m,
+                is_outside: &|item| {
+                    let place = reference.place_of(item, here);
+                    self.session.fence.is_outside(&self.situation(), place, reference.altitude_of(item))
+                },
+            },
+        );
+        if !is_silent_if_flyable || !verdict.is_flyable {
+            verdict.texts.iter().for_each(|text| self.say(Severity::Critical, text));
         }
-        verdict.is_ok()
+        verdict.is_flyable
+    }
+
+    /// The fence or what is asked for may have changed: a PX4 judges the mission on board anew.
+    pub(crate) fn judge_mission_anew(&mut self) {
+        if self.rules.judges_plans_as_px4 && !self.mission.items().is_empty() {
+            let items = self.mission.items().to_vec();
+            let is_feasible = self.judge_mission(&items, true);
+            self.mission.set_feasible(is_feasible);
+        }
     }
 
     fn replace_fence_parts(&mut self, items: &[PlanItem]) {

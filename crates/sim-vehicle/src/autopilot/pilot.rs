@@ -1,6 +1,7 @@
 //! A pilot's sticks, as RC_CHANNELS_OVERRIDE and MANUAL_CONTROL move them.
 
 use super::Autopilot;
+use super::manual_control::CHANNELS;
 use crate::parameters::table::Parameter;
 
 /// Where MANUAL_CONTROL holds the sticks. x is forward, which is nose down, y right, r yaw, each -1000 to 1000; z
@@ -14,13 +15,21 @@ pub(crate) struct ManualControl {
 }
 
 impl Autopilot {
-    /// RC_CHANNELS_OVERRIDE: microseconds for each channel; 0 gives it back, 65535 leaves it.
-    pub(crate) fn override_channels(&mut self, system_id: u8, channels: [u16; 8]) {
+    /// RC_CHANNELS_OVERRIDE: microseconds for each channel; 0 gives it back, 65535 leaves it. From the ninth on 0
+    /// leaves it, and 65534 gives it back.
+    pub(crate) fn override_channels(&mut self, system_id: u8, channels: [u16; CHANNELS]) {
+        const FIRST_OF_EXTENSION: usize = 8;
+        const GIVE_BACK: u16 = u16::MAX - 1;
         if !self.is_from_pilot(system_id) {
             return;
         }
-        for (channel, microseconds) in channels.into_iter().enumerate().filter(|(_, value)| *value != u16::MAX) {
-            self.session.channels.put(channel, microseconds, self.time);
+        for (channel, microseconds) in channels.into_iter().enumerate() {
+            match microseconds {
+                u16::MAX => {}
+                0 if channel >= FIRST_OF_EXTENSION => {}
+                GIVE_BACK if channel >= FIRST_OF_EXTENSION => self.session.channels.put(channel, 0, self.time),
+                held => self.session.channels.put(channel, held, self.time),
+            }
         }
     }
 
@@ -44,7 +53,10 @@ impl Autopilot {
 
     /// Lets the flight have what the sticks say now.
     pub(super) fn move_sticks(&mut self) {
-        self.flight.set_sticks(self.session.channels.sticks(self.time));
+        const REVERSED: [Parameter; 3] =
+            [Parameter::RollReversed, Parameter::PitchReversed, Parameter::ThrottleReversed];
+        let reversed = REVERSED.map(|parameter| self.parameters.get(parameter) != 0.0);
+        self.flight.set_sticks(self.session.channels.sticks(self.time, reversed));
     }
 
     /// Only the ground station of MAV_GCS_SYSID may move the sticks; to a PX4 all are the same.

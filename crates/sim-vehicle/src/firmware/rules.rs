@@ -81,6 +81,8 @@ pub(crate) struct Rules {
     pub fence_action: fn(u8) -> Option<Mode>,
     /// Whether it says unasked what stands against arming.
     pub tells_arming_reason: bool,
+    /// Whether a channel of the sticks changes the mode (FLTMODE_CH).
+    pub has_mode_switch: bool,
     /// Whether any ground station moves the sticks and is listened for; otherwise the one of MAV_GCS_SYSID.
     pub any_ground_station: bool,
     /// Whether setpoints in Offboard, sticks and the ground station are watched as a PX4 does, TAKEOFF ends in Hold,
@@ -91,6 +93,8 @@ pub(crate) struct Rules {
     /// Whether plans are judged and flown as a PX4 does it: the parts of a fence each for itself, a mission that it
     /// takes and does not fly, the ends of loiters.
     pub judges_plans_as_px4: bool,
+    /// Whether plans are transferred by a PX4's rules: one transfer at a time, item after item.
+    pub transfers_plans_as_px4: bool,
     /// The index of the first item that is flown: ArduPlane's item 0 is home.
     pub first_mission_item: u16,
     /// Whether a mission that takes the place of one under way goes on at the same item.
@@ -101,9 +105,7 @@ pub(crate) struct Rules {
     pub return_item_stays_current: bool,
     /// Whether a param of an item that is no number is one left out.
     pub nan_params_are_left_out: bool,
-    /// Whether a mission can be cleared while it is flown.
-    pub clears_flown_mission: bool,
-    /// Whether who uploads can break that off by an acknowledgement.
+    /// Whether an acknowledgement of the writer breaks off an upload.
     pub upload_can_be_broken_off: bool,
     /// Whether items are asked for by the older message, and not by it only of those that use it.
     pub asks_by_old_message: bool,
@@ -116,6 +118,8 @@ pub(crate) struct Rules {
     pub has_parameter: fn(Parameter) -> bool,
     /// What it calls a parameter, and of which type it has it.
     pub parameter: fn(Parameter) -> (&'static str, MavParamType),
+    /// The type of a parameter that only a file names, if the file does not say.
+    pub inert_parameter: fn(&str) -> MavParamType,
     /// What is otherwise before anybody sets it.
     pub initial_parameters: &'static [(Parameter, f32)],
     /// Whether whole numbers stand on the wire by their bytes, and a type is looked at.

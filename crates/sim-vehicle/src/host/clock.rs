@@ -3,6 +3,7 @@
 use crate::parameters::file::ParameterFileError;
 use crate::protocol::mission::file::PlanFileError;
 use crate::settings::{LockstepSettings, SettingsError};
+use crate::vehicle::Vehicle;
 use flight_model::State;
 use mavlink_bridge::LinkError;
 use std::io;
@@ -49,7 +50,7 @@ impl Clock {
 }
 
 /// A stretch of one vehicle's flight, as it was flown.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Advance<'a> {
     /// Index of the vehicle, in the order in which the host was given them.
     pub vehicle: usize,
@@ -59,6 +60,8 @@ pub struct Advance<'a> {
     pub step: Duration,
     /// The state after each integration step: `track[i]` is at `start + (i + 1) * step`.
     pub track: &'a [State],
+    /// The vehicle itself, as it is after the stretch.
+    pub craft: &'a Vehicle,
 }
 
 /// The time that all vehicles of a host share in real time. Where the machine does not keep up it slips, so that they

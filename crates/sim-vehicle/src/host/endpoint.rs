@@ -202,7 +202,8 @@ impl Endpoint {
         vehicle.advance(until, &mut self.track);
         if !self.track.is_empty() {
             let step = vehicle.settings().step;
-            (shell.observer)(Advance { vehicle: self.first + index, start, step, track: &self.track });
+            let craft: &Vehicle = vehicle;
+            (shell.observer)(Advance { vehicle: self.first + index, start, step, track: &self.track, craft });
         }
     }
 

@@ -120,10 +120,10 @@ mod tests {
     fn vehicles_share_their_inert_parameters_until_one_is_set() {
         let settings = VehicleSettings { parameter_files: files(&[("THR_MIN", 5.0)]), ..VehicleSettings::default() };
         let [mut one, other] = [settings.clone(), settings].map(|settings| Vehicle::new(settings).unwrap());
-        one.autopilot_mut().parameters.write_inert(0, 7.5, 2).unwrap();
+        one.autopilot_mut().parameters.write_inert(0, 7.0, 2).unwrap();
         let value = |vehicle: &Vehicle| vehicle.autopilot().parameters.on_wire(Listed::Inert(0), |_| 0.0).2;
-        assert_eq!((value(&one), value(&other)), (7.5, 5.0));
-        assert_eq!(one.set_parameters().collect::<Vec<_>>(), [("THR_MIN", 7.5)]);
+        assert_eq!((value(&one), value(&other)), (7.0, 5.0));
+        assert_eq!(one.set_parameters().collect::<Vec<_>>(), [("THR_MIN", 7.0)]);
     }
 
     #[test]

@@ -111,7 +111,7 @@ impl ParameterEntry {
             return REAL;
         }
         if !rules.bytewise_parameters {
-            return self.kind.unwrap_or(REAL);
+            return self.kind.unwrap_or_else(|| (rules.inert_parameter)(&self.name));
         }
         let is_real = self.kind.map_or(!self.is_whole, |kind| kind == REAL);
         if is_real { REAL } else { INT32 }

@@ -157,6 +157,18 @@ parameters! {
 
     ArmingCheck: "ARMING_CHECK", INT32, |_| 1.0, |_| (0.0, 8_388_607.0), Effect::LookedUp;
 
+    // The pilot's channels: 1 where more microseconds mean less.
+    RollReversed: "RC1_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    PitchReversed: "RC2_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    ThrottleReversed: "RC3_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    FlightModeChannel: "FLTMODE_CH", INT8, |_| 8.0, |_| (0.0, 16.0), Effect::LookedUp;
+    FlightMode1: "FLTMODE1", INT8, |_| 11.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode2: "FLTMODE2", INT8, |_| 11.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode3: "FLTMODE3", INT8, |_| 5.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode4: "FLTMODE4", INT8, |_| 5.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode5: "FLTMODE5", INT8, |_| 0.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+    FlightMode6: "FLTMODE6", INT8, |_| 0.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
+
     // ArduCopter's name: ArduPlane waits for ever for a setpoint.
     GuidedTimeout: "GUID_TIMEOUT", REAL, |s| s.setpoint_timeout_s as f32, |_| (0.0, 1e6), Effect::SetpointTimeout;
 
@@ -225,6 +237,7 @@ parameters! {
     RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
 
     RunTime: "STAT_RUNTIME", INT32, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    BootCount: "STAT_BOOTCNT", INT16, |_| 1.0, |_| (1.0, 1.0), Effect::ReadOnly;
 
     // PX4's own: see firmware/px4/.
     OffboardTimeout: "COM_OF_LOSS_T", REAL, |_| 1.0, |_| (0.0, 60.0), Effect::LookedUp;
@@ -236,10 +249,16 @@ parameters! {
     PreflightDisarmDelay: "COM_DISARM_PRFLT", REAL, |_| 10.0, |_| (-1.0, 3600.0), Effect::LookedUp;
     // As a PX4's simulation has it.
     FailureInjection: "SYS_FAILURE_EN", INT32, |_| 1.0, |_| (0.0, 1.0), Effect::LookedUp;
+    // PX4's own default. Its airframes of fixed wings have 2, which refuses missions that end in the air.
+    MissionRequirements: "MIS_TKO_LAND_REQ", INT32, |_| 0.0, |_| (0.0, 5.0), Effect::LookedUp;
+    FirstWaypointDistance: "MIS_DIST_1WP", REAL, |_| 10_000.0, |_| (-1.0, 100_000.0), Effect::LookedUp;
+    LandingAngle: "FW_LND_ANG", REAL, |_| 5.0, |_| (1.0, 45.0), Effect::LookedUp;
 }
 
 /// ArduPlane's default of TKOFF_ALT, m.
 pub(crate) const TAKEOFF_ALTITUDE_M: f64 = 50.0;
+/// The greatest number of a mode of ArduPlane's.
+const MODE_MAX: f32 = 26.0;
 /// Radii are whole metres of 16 bits.
 const RADIUS_MAX_M: f32 = i16::MAX as f32;
 

@@ -30,14 +30,27 @@ pub(crate) fn answer_log_request(component: &mut Component, link: usize) {
 /// The groups of messages that a request is for.
 fn groups_of(group: MavDataStream) -> &'static [&'static [Stream]] {
     match group {
-        MavDataStream::MAV_DATA_STREAM_ALL => groups::ALL,
-        MavDataStream::MAV_DATA_STREAM_RAW_SENSORS => &[groups::RAW_SENSORS],
-        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => &[groups::EXTENDED_STATUS],
-        MavDataStream::MAV_DATA_STREAM_RC_CHANNELS => &[groups::RC_CHANNELS],
+        MavDataStream::MAV_DATA_STREAM_ALL => &[
+            groups::RAW_SENSORS,
+            groups::MORE_RAW_SENSORS,
+            groups::EXTENDED_STATUS,
+            groups::MORE_EXTENDED_STATUS,
+            groups::RC_CHANNELS,
+            groups::MORE_RC_CHANNELS,
+            groups::POSITION,
+            groups::EXTRA1,
+            groups::MORE_EXTRA1,
+            groups::EXTRA2,
+            groups::EXTRA3,
+            groups::MORE_EXTRA3,
+        ],
+        MavDataStream::MAV_DATA_STREAM_RAW_SENSORS => &[groups::RAW_SENSORS, groups::MORE_RAW_SENSORS],
+        MavDataStream::MAV_DATA_STREAM_EXTENDED_STATUS => &[groups::EXTENDED_STATUS, groups::MORE_EXTENDED_STATUS],
+        MavDataStream::MAV_DATA_STREAM_RC_CHANNELS => &[groups::RC_CHANNELS, groups::MORE_RC_CHANNELS],
         MavDataStream::MAV_DATA_STREAM_POSITION => &[groups::POSITION],
-        MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[groups::EXTRA1],
+        MavDataStream::MAV_DATA_STREAM_EXTRA1 => &[groups::EXTRA1, groups::MORE_EXTRA1],
         MavDataStream::MAV_DATA_STREAM_EXTRA2 => &[groups::EXTRA2],
-        MavDataStream::MAV_DATA_STREAM_EXTRA3 => &[groups::EXTRA3],
+        MavDataStream::MAV_DATA_STREAM_EXTRA3 => &[groups::EXTRA3, groups::MORE_EXTRA3],
         _ => &[],
     }
 }

@@ -9,6 +9,7 @@ mod ftp;
 pub(crate) mod mission;
 pub(crate) mod parameter;
 
+use crate::autopilot::manual_control::CHANNELS;
 use crate::autopilot::pilot::ManualControl;
 use crate::error::{CommandError, CommandResult, Severity};
 use crate::firmware::answers;
@@ -181,7 +182,7 @@ fn conclude(component: &mut Component, outcome: Result<(), CommandError>) -> Mav
     }
 }
 
-fn channels_of(data: &RC_CHANNELS_OVERRIDE_DATA) -> [u16; 8] {
+fn channels_of(data: &RC_CHANNELS_OVERRIDE_DATA) -> [u16; CHANNELS] {
     [
         data.chan1_raw,
         data.chan2_raw,
@@ -191,6 +192,14 @@ fn channels_of(data: &RC_CHANNELS_OVERRIDE_DATA) -> [u16; 8] {
         data.chan6_raw,
         data.chan7_raw,
         data.chan8_raw,
+        data.chan9_raw,
+        data.chan10_raw,
+        data.chan11_raw,
+        data.chan12_raw,
+        data.chan13_raw,
+        data.chan14_raw,
+        data.chan15_raw,
+        data.chan16_raw,
     ]
 }
 

@@ -159,7 +159,7 @@ impl Instruments<'_> {
     }
 
     fn rc_channels_raw(&self) -> Message {
-        let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw] =
+        let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw, ..] =
             self.autopilot.session.channels.positions_us(self.time);
         Message::RC_CHANNELS_RAW(RC_CHANNELS_RAW_DATA {
             time_boot_ms: boot_ms(self.time),

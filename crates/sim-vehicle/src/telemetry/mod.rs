@@ -205,8 +205,24 @@ impl Instruments<'_> {
 
     /// RC_CHANNELS (<https://mavlink.io/en/messages/common.html#RC_CHANNELS>).
     fn rc_channels(&self) -> Message {
-        let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw] =
-            self.autopilot.session.channels.positions_us(self.time);
+        let [
+            chan1_raw,
+            chan2_raw,
+            chan3_raw,
+            chan4_raw,
+            chan5_raw,
+            chan6_raw,
+            chan7_raw,
+            chan8_raw,
+            chan9_raw,
+            chan10_raw,
+            chan11_raw,
+            chan12_raw,
+            chan13_raw,
+            chan14_raw,
+            chan15_raw,
+            chan16_raw,
+        ] = self.autopilot.session.channels.positions_us(self.time);
         Message::RC_CHANNELS(RC_CHANNELS_DATA {
             time_boot_ms: self.time.as_millis() as u32,
             chan1_raw,
@@ -217,6 +233,15 @@ impl Instruments<'_> {
             chan6_raw,
             chan7_raw,
             chan8_raw,
+            chan9_raw,
+            chan10_raw,
+            chan11_raw,
+            chan12_raw,
+            chan13_raw,
+            chan14_raw,
+            chan15_raw,
+            chan16_raw,
+            // Those of the receiver.
             chancount: 8,
             rssi: u8::MAX,
             ..RC_CHANNELS_DATA::DEFAULT
@@ -245,8 +270,11 @@ impl Instruments<'_> {
         let last = mission.len().saturating_sub(1);
         Message::MISSION_CURRENT(MISSION_CURRENT_DATA {
             seq: progress.told().min(last),
-            // Home is not counted.
-            total: mission.len().saturating_sub(mission.first()),
+            // Home is not counted. A PX4 tells of none that it has none.
+            total: match mission.len().saturating_sub(mission.first()) {
+                0 if self.rules.judges_plans_as_px4 => u16::MAX,
+                total => total,
+            },
             mission_state,
             // An ArduPlane knows only whether it is flown.
             mission_mode: if is_flown { 1 } else { self.rules.mission_mode_suspended },

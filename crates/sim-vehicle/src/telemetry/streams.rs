@@ -170,7 +170,14 @@ pub(crate) mod groups {
         }
     }
 
-    pub const ALL: &[&[Stream]] = &[RAW_SENSORS, EXTENDED_STATUS, RC_CHANNELS, POSITION, EXTRA1, EXTRA2, EXTRA3];
+    /// What REQUEST_DATA_STREAM sets beyond them: messages of ArduPlane's groups that do not come unasked
+    /// (`GCS_MAVLink_Parameters.cpp`).
+    pub const MORE_RAW_SENSORS: &[Stream] =
+        &[Stream::ScaledImu2, Stream::ScaledImu3, Stream::ScaledPressure2, Stream::Airspeed];
+    pub const MORE_EXTENDED_STATUS: &[Stream] = &[Stream::PowerStatus, Stream::Meminfo];
+    pub const MORE_RC_CHANNELS: &[Stream] = &[Stream::ServoOutputRaw];
+    pub const MORE_EXTRA1: &[Stream] = &[Stream::SimulatedState, Stream::Ahrs2, Stream::AoaSsa];
+    pub const MORE_EXTRA3: &[Stream] = &[Stream::Ahrs, Stream::TerrainReport, Stream::Vibration];
 }
 
 /// When each stream of one link is due next. A stream is due at whole multiples of its interval, without drift.

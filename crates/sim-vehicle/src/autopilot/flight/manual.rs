@@ -14,8 +14,8 @@ pub(crate) struct Sticks {
     pub throttle: Option<f64>,
 }
 
-/// Greatest bank that a stick asks for, rad: ArduPlane's default of ROLL_LIMIT_DEG, 45 degrees.
-const BANK_MAX_RAD: f64 = std::f64::consts::FRAC_PI_4;
+/// Greatest bank that a stick asks for, rad, where nobody has set ROLL_LIMIT_DEG: ArduPlane's default of 45 degrees.
+pub(super) const BANK_MAX_RAD: f64 = std::f64::consts::FRAC_PI_4;
 /// Rate of climb of a full stick in FBWB and CRUISE, m/s: ArduPlane's default of FBWB_CLIMB_RATE.
 const CLIMB_MPS: f64 = 2.0;
 /// Climb over speed of a full stick in the other modes: ArduPlane's default pitch limit, 20 degrees.
@@ -46,12 +46,13 @@ impl Sticks {
         mode: Mode,
         state: &State,
         airspeed_mps: f64,
+        bank_max_rad: f64,
         dynamics: &Dynamics,
     ) -> Setpoint {
         let tau = dynamics.time_constants;
         if self.roll != 0.0 {
             let gravity_mps2 = dynamics.limits.gravity_mps2;
-            let turn_rate_radps = gravity_mps2 * libm::tan(self.roll * BANK_MAX_RAD) / airspeed_mps.max(1.0);
+            let turn_rate_radps = gravity_mps2 * libm::tan(self.roll * bank_max_rad) / airspeed_mps.max(1.0);
             // The course loop turns by its error over its time constant.
             setpoint.course_rad = state.course_rad + turn_rate_radps * tau.course_s;
         }

@@ -1,5 +1,6 @@
 //! Modes, and what begins with each of them.
 
+use super::air::Air;
 use super::ground::Contact;
 use super::guidance::Direction;
 use super::landing::Landing;
@@ -110,6 +111,15 @@ impl Flight {
         let return_altitude_m = self.rally.map(|rally| rally.altitude_m).or(above_home_m);
         if let Some(altitude_m) = return_altitude_m.filter(|_| self.mode == Mode::Rtl) {
             self.set_altitude(altitude_m, f64::INFINITY);
+        }
+    }
+
+    /// Who started on the ground is there again.
+    pub fn stand_at_start(&mut self) {
+        if self.starts_on_ground {
+            self.armed = false;
+            self.air = Air::at(&self.start);
+            self.stand_on_ground();
         }
     }
 

@@ -50,7 +50,9 @@ impl Flight {
             setpoint.speed_mps = setpoint.speed_mps.max(self.equivalent_airspeed_mps() + shortfall_mps);
         }
         if let Some(sticks) = self.hands() {
-            setpoint = sticks.steer(setpoint, self.mode, &self.state, self.airspeed_mps(), &self.dynamics);
+            let bank_max_rad = self.tuning.stick_bank_max_rad;
+            setpoint =
+                sticks.steer(setpoint, self.mode, &self.state, self.airspeed_mps(), bank_max_rad, &self.dynamics);
         }
         if self.attitude.is_some() {
             setpoint = self.steer_by_attitude(setpoint);

@@ -1,5 +1,6 @@
 //! What parameters change of a flight.
 
+use super::manual::BANK_MAX_RAD;
 use crate::parameters::Parameters;
 use crate::parameters::table::Parameter;
 
@@ -22,6 +23,8 @@ pub(crate) struct Tuning {
     pub sink_max_mps: f64,
     /// Greatest horizontal acceleration, as a multiple of gravity, beside the flight model's own.
     pub lateral_overload_max: f64,
+    /// Greatest bank that a stick asks for, rad.
+    pub stick_bank_max_rad: f64,
 }
 
 impl Tuning {
@@ -39,6 +42,7 @@ impl Tuning {
             sink_max_mps: set(Parameter::SinkMax).unwrap_or(f64::INFINITY),
             lateral_overload_max: set(Parameter::RollLimit)
                 .map_or(f64::INFINITY, |limit_deg| libm::tan(limit_deg.to_radians())),
+            stick_bank_max_rad: set(Parameter::RollLimit).map_or(BANK_MAX_RAD, f64::to_radians),
         }
     }
 }

@@ -38,6 +38,11 @@ impl Autopilot {
         Ok(())
     }
 
+    /// Another mission that was uploaded begins with an item, or goes on with it.
+    pub(crate) fn start_mission_at(&mut self, seq: u16) {
+        self.session.progress.start_at(seq, &self.mission);
+    }
+
     /// DO_JUMP_TAG as a command: to the JUMP_TAG of that number.
     pub(crate) fn jump_to_tag(&mut self, tag: f32) -> Result<(), CommandError> {
         if tag >= 65_536.0 {

@@ -41,6 +41,11 @@ impl Mission {
         self.is_feasible = is_feasible;
     }
 
+    /// Sets whether the autopilot would fly it.
+    pub fn set_feasible(&mut self, is_feasible: bool) {
+        self.is_feasible = is_feasible;
+    }
+
     pub fn len(&self) -> u16 {
         u16::try_from(self.items.len()).unwrap_or(u16::MAX)
     }

@@ -11,6 +11,8 @@ pub(crate) struct Progress {
     current: u16,
     /// Whether it has been flown, or somebody has chosen it.
     has_begun: bool,
+    /// Whether it is told before it has begun: an upload has said where to begin.
+    is_known: bool,
     is_complete: bool,
     /// Whether RTL has looked for a landing sequence.
     has_looked_for_landing: bool,
@@ -34,6 +36,12 @@ impl Progress {
         *self = Self { current: seq.max(mission.first()), has_begun: true, jumps, ..Self::default() };
     }
 
+    /// Another mission begins with an item, or with its last one.
+    pub fn start_at(&mut self, seq: u16, mission: &Mission) {
+        let current = seq.min(mission.len().saturating_sub(1));
+        *self = Self { current, is_known: true, ..Self::at_beginning(mission) };
+    }
+
     /// How often a jump has been made.
     pub(super) fn jumps_made(&self, seq: u16) -> u32 {
         self.jumps.iter().find(|(jump, _)| *jump == seq).map_or(0, |(_, made)| *made)
@@ -53,7 +61,7 @@ impl Progress {
 
     /// The current item as it is told: none, 0, before anything has begun.
     pub fn told(&self) -> u16 {
-        if self.has_begun { self.current } else { 0 }
+        if self.has_begun || self.is_known { self.current } else { 0 }
     }
 
     /// AUTO has been set: it goes on with the current item, from its beginning.

@@ -2,6 +2,7 @@
 
 pub(super) mod commands;
 pub(super) mod devices;
+mod kinds;
 pub(super) mod messages;
 pub(super) mod targets;
 
@@ -41,16 +42,17 @@ pub(super) const RULES: Rules = Rules {
     fence_forbids_arming: true,
     fence_action,
     tells_arming_reason: true,
+    has_mode_switch: true,
     any_ground_station: false,
     watches_streams: false,
 
     judges_plans_as_px4: false,
+    transfers_plans_as_px4: false,
     first_mission_item: 1,
     resumes_after_upload: true,
     takes_off_before_mission: false,
     return_item_stays_current: true,
     nan_params_are_left_out: false,
-    clears_flown_mission: false,
     upload_can_be_broken_off: false,
     asks_by_old_message: true,
     tells_paused_mission: false,
@@ -58,6 +60,7 @@ pub(super) const RULES: Rules = Rules {
 
     has_parameter: |parameter: Parameter| !px4::parameters::OWN_PARAMETERS.contains(&parameter),
     parameter: |parameter| (parameter.name(), parameter.kind()),
+    inert_parameter: kinds::of,
     initial_parameters: &[],
     bytewise_parameters: false,
     tells_whole_numbers_as_floats: false,

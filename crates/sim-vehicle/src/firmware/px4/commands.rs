@@ -106,6 +106,10 @@ fn arm(autopilot: &mut Autopilot) -> Result<(), CommandError> {
 
 /// Sets a mode that can be flown now; disarmed, any.
 pub(in crate::firmware) fn change_mode(autopilot: &mut Autopilot, mode: Mode) -> Result<(), CommandError> {
+    // One that was rejected stays it until another one comes.
+    if mode == Mode::Auto && autopilot.mission().is_flyable() {
+        autopilot.judge_mission_anew();
+    }
     let can_run = match mode {
         Mode::Offboard => autopilot.has_offboard_stream(),
         Mode::Auto => autopilot.mission().is_flyable(),

@@ -6,6 +6,7 @@
 
 mod check;
 pub(crate) mod file;
+mod px4;
 mod upload;
 
 use crate::autopilot::mission::items::{self, WAYPOINT};
@@ -19,6 +20,7 @@ use crate::telemetry::streams::Stream;
 use check::{check_items, mission_type, refusal, result_of, total};
 use mavlink_bridge::dialect::{MISSION_COUNT_DATA, MavMissionResult, MavMissionType, Message};
 use mavlink_bridge::{ItemKind, LatLonE7, PlanItem, PlanItemMessage, PlanMessage, Target};
+use px4::Transfers;
 use std::time::Duration;
 use upload::Uploads;
 
@@ -26,6 +28,8 @@ use upload::Uploads;
 #[derive(Debug, Default)]
 pub(crate) struct MissionService {
     uploads: Uploads,
+    /// The same of a PX4, which has its own rules of transfers.
+    transfers: Transfers,
     /// Whether each plan has been changed since somebody asked.
     changed: [bool; PlanKind::ALL.len()],
     /// How many items each plan was told to have.
@@ -48,12 +52,13 @@ impl MissionService {
 
     /// Host time at which an upload wants attention.
     pub fn next_due(&self) -> Option<Duration> {
-        self.uploads.due()
+        [self.uploads.due(), self.transfers.due()].into_iter().flatten().min()
     }
 
     /// Nobody uploads anything.
     pub fn forget_uploads(&mut self) {
         self.uploads = Uploads::default();
+        self.transfers = Transfers::default();
     }
 
     /// The plans are others: nobody uploads anything, and everything is to be kept anew.
@@ -93,6 +98,9 @@ impl MissionService {
         mission_type: u8,
         message: PlanMessage,
     ) {
+        if component.autopilot.rules().transfers_plans_as_px4 {
+            return self.serve_as_px4(component, link, sender, mission_type, message);
+        }
         let Some(kind) = check::kind_of(mission_type) else {
             self.serve_other_plans(component, link, sender, mission_type, message);
             return;

@@ -78,6 +78,7 @@ impl Uploads {
 impl MissionService {
     /// Asks again for items that did not come, and in the end no more.
     pub(crate) fn check_uploads(&mut self, component: &mut Component) {
+        self.check_transfers(component);
         let now = component.host_now;
         for kind in PlanKind::ALL {
             let Some(upload) =
@@ -221,7 +222,6 @@ impl MissionService {
         } else if kind == PlanKind::Mission
             && component.autopilot.mode() == Mode::Auto
             && component.autopilot.flight.is_armed()
-            && !component.autopilot.rules().clears_flown_mission
         {
             component.autopilot.say(Severity::Warning, "Mission: it is flown");
             Some(MavMissionResult::MAV_MISSION_ERROR)
@@ -328,7 +328,7 @@ impl MissionService {
 }
 
 /// An item as it is understood: of some autopilots, a param that is not a number is one left out.
-fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
+pub(super) fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
     if !rules.nan_params_are_left_out {
         return item;
     }
@@ -341,7 +341,7 @@ fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
 
 /// How an item of an upload is asked for. ArduPlane still asks by the older message, and some clients (dronekit) answer
 /// no other: a PX4 asks those by it that have used it themselves.
-fn item_request(seq: u16, to: Target, mission_type: MavMissionType, by_old_message: bool) -> Message {
+pub(super) fn item_request(seq: u16, to: Target, mission_type: MavMissionType, by_old_message: bool) -> Message {
     let Target { system_id: target_system, component_id: target_component } = to;
     if by_old_message {
         Message::MISSION_REQUEST(MISSION_REQUEST_DATA { seq, target_system, target_component, mission_type })

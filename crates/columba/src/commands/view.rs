@@ -1,0 +1,71 @@
+//! `columba view`: any autopilots on a link, or logs, on a page in the browser.
+
+use super::{Failure, block_on, stop_on_signal};
+use crate::args::{Cli, WatchArgs};
+use crate::flying::stopped;
+use crate::station::shell;
+use crate::view::{self, listen, tlog};
+use anyhow::{Context, anyhow};
+use live_view::{LiveView, Scene};
+use mavlink_bridge::ImpairmentSettings;
+use mavlink_bridge::link::{Connection, LinkSpec, Links};
+use std::path::{Path, PathBuf};
+
+/// Where autopilots and ground stations send telemetry by default.
+const DEFAULT_LINK: &str = "udpin:127.0.0.1:14550";
+
+/// Serves the page until Ctrl-C.
+pub fn view(_: &Cli, args: &WatchArgs) -> Result<(), Failure> {
+    if args.logs.is_empty() { watch_links(args) } else { play_logs(args) }
+}
+
+fn watch_links(args: &WatchArgs) -> Result<(), Failure> {
+    let stop = stop_on_signal()?;
+    let default: Vec<Connection> = DEFAULT_LINK.parse().into_iter().collect();
+    let connections = if args.link.is_empty() { default } else { args.link.clone() };
+    let spec = |connection: &Connection| LinkSpec {
+        connection: connection.clone(),
+        calls: Vec::new(),
+        impairment: ImpairmentSettings::default(),
+        seed: 0,
+    };
+    let links = Links::open(connections.iter().map(spec).collect()).map_err(|error| anyhow!("--link {error}"))?;
+    let calls =
+        connections.iter().enumerate().filter_map(|(link, connection)| shell::calls(link, connection)).collect();
+    let names: Vec<String> = connections.iter().map(ToString::to_string).collect();
+    let page = LiveView::start(&view::settings(&args.view)?)?;
+    view::tell_address(&page);
+    let scene = Scene { title: names.join(", "), source: "columba view".to_owned(), ..Scene::default() };
+    block_on(async {
+        listen::listen(page.feed(), links, calls, !args.silent, scene, stop).await;
+        Ok(())
+    })?;
+    Ok(())
+}
+
+fn play_logs(args: &WatchArgs) -> Result<(), Failure> {
+    let mut stop = stop_on_signal()?;
+    let read = |path: &PathBuf| -> anyhow::Result<tlog::Log> {
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let log = tlog::Log::read(&bytes);
+        if log.vehicles() == 0 {
+            return Err(anyhow!(
+                "{}: must be a telemetry log (tlog) of at least one autopilot: it has {} records of MAVLink",
+                path.display(),
+                log.records
+            ));
+        }
+        Ok(log)
+    };
+    let logs =
+        args.logs.iter().map(|path| Ok((path.as_path(), read(path)?))).collect::<anyhow::Result<Vec<(&Path, _)>>>()?;
+    let names: Vec<String> = args.logs.iter().map(|path| path.display().to_string()).collect();
+    let scene = Scene { title: names.join(", "), source: "columba view".to_owned(), ..Scene::default() };
+    let page = LiveView::play(&view::settings(&args.view)?, tlog::recording(&logs, scene))?;
+    view::tell_address(&page);
+    block_on(async {
+        stopped(&mut stop).await;
+        Ok(())
+    })?;
+    Ok(())
+}

@@ -1,0 +1,103 @@
+"""Every message that is asked for and accepted comes, at a rate too, and what is in it makes sense.
+
+An ArduPlane accepts some for which it has nothing to say: then a text says what is missing."""
+
+import math
+import time
+
+import pytest
+from ground import ACCEPTED
+from pymavlink.dialects.v20 import all as mavlink
+from pymavlink.dialects.v20 import ardupilotmega
+
+REQUEST, INTERVAL = mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
+# Those that our client can read; HEARTBEAT comes anyhow, and MESSAGE_INTERVAL tells of another message.
+MESSAGES = [number for number in sorted(ardupilotmega.mavlink_map) if 0 < number < 13_000 and number != 244]
+# Fields that may have no number where nothing is known.
+UNKNOWN = {"q", "pose_covariance", "velocity_covariance", "covariance", "thrust_body", "approach_x", "approach_y", "approach_z"}
+PATIENCE_S = 30.0
+
+
+@pytest.fixture(params=["arduplane", "px4"])
+def craft(request, start_vehicles, scenario):
+    return start_vehicles(scenario(), "--personality", request.param, "--speed", 2).connect()[0]
+
+
+def ask(craft, command, *params):
+    craft.link.mav.command_long_send(craft.system, craft.component, command, 0, *params, *[0] * (7 - len(params)))
+
+
+def answer(craft, number):
+    """The result of a request, and the message; none where a text says that there is nothing to tell."""
+    name = mavlink.mavlink_map[number].msgname
+    ask(craft, REQUEST, number)
+    result, found, text = None, None, None
+    end = time.monotonic() + PATIENCE_S
+    while result is None or (result == ACCEPTED and found is None and text is None):
+        said = craft.wait([name, "COMMAND_ACK", "STATUSTEXT"], patience_s=end - time.monotonic())
+        if said.get_type() == "COMMAND_ACK" and said.command == REQUEST:
+            result = said.result
+        elif said.get_type() == name:
+            found = said
+        elif said.get_type() == "STATUSTEXT" and said.text.startswith("There is no"):
+            text = said.text
+    return result, found
+
+
+def is_near(place, field, value):
+    """A latitude or longitude in 1e-7 degrees or in degrees."""
+    degrees = value / 1e7 if isinstance(value, int) else value
+    here = (place.lat if field.startswith("lat") else place.lon) / 1e7
+    return abs(degrees - here) < 0.05
+
+
+def faults(message, place):
+    """What makes no sense in a message."""
+    fields = {field: getattr(message, field) for field in message.get_fieldnames()}
+    for field, value in fields.items():
+        values = value if isinstance(value, list) else [value]
+        if any(isinstance(one, float) and math.isinf(one) for one in values):
+            yield f"{field} is infinite"
+        if field not in UNKNOWN and any(isinstance(one, float) and math.isnan(one) for one in values):
+            yield f"{field} is no number"
+        if field in ("lat", "lon", "lat_int", "lon_int", "latitude", "longitude") and not is_near(place, field, value):
+            yield f"{field} is {value}"
+        if field == "time_boot_ms" and not 0 <= value - place.time_boot_ms < 600_000:
+            yield f"{field} is {value}"
+        if field in ("roll", "pitch", "yaw") and isinstance(value, float) and abs(value) > 360:
+            yield f"{field} is {value}"
+    if not any(fields.values()):
+        yield "all is zero"
+
+
+# What is at rest in still air, north, without a fence, sticks or relays: it may be all zero.
+MAY_BE_ZERO = {
+    "AHRS", "AOA_SSA", "FENCE_STATUS", "MAG_CAL_REPORT", "MANUAL_CONTROL", "MISSION_CURRENT", "NAV_CONTROLLER_OUTPUT",
+    "RELAY_STATUS", "VIBRATION", "WIND",
+}  # fmt: skip
+
+
+def test_what_is_accepted_comes_and_makes_sense(craft):
+    place = craft.wait(["GLOBAL_POSITION_INT"])
+    found = {}
+    for number in MESSAGES:
+        result, message = answer(craft, number)
+        if result == ACCEPTED and message is not None:
+            found[number] = message
+    assert len(found) > 30
+    wrong = {
+        message.get_type(): why
+        for message in found.values()
+        if (why := [fault for fault in faults(message, place)])
+        and not (why == ["all is zero"] and message.get_type() in MAY_BE_ZERO)
+    }
+    assert not wrong
+    # The same at a rate. One at a time: each is waited for twice. A fence is told of while it is enabled.
+    found.pop(mavlink.MAVLINK_MSG_ID_FENCE_STATUS, None)
+    for number, message in found.items():
+        ask(craft, INTERVAL, number, 200_000)
+        assert craft.acknowledged(INTERVAL) == ACCEPTED, message.get_type()
+        for _ in range(2):
+            craft.wait([message.get_type()], patience_s=PATIENCE_S)
+        ask(craft, INTERVAL, number, -1)
+        assert craft.acknowledged(INTERVAL) in (ACCEPTED, mavlink.MAV_RESULT_FAILED)
