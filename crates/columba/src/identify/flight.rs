@@ -53,6 +53,9 @@ const SPEED_S: f64 = 16.0;
 const ALTITUDE_S: f64 = 16.0;
 /// The flock is to be at rest before the first step, s.
 const REST_S: f64 = 16.0;
+/// The first step waits until the flock is so near to its altitude, m, but not for longer than this, s.
+const LEVEL_M: f64 = 2.0;
+const CLIMB_MAX_S: f64 = 90.0;
 /// An area that is too small for the vehicles is not turned back in for ever.
 const TURNS_BACK_MAX: usize = 12;
 
@@ -96,7 +99,7 @@ impl StepFlight {
 
     /// How long it takes at most, s.
     pub fn longest_s(&self) -> f64 {
-        self.steps.iter().map(|step| step.hold_s).sum::<f64>() + TURNS_BACK_MAX as f64 * HARD_TURN_S
+        self.steps.iter().map(|step| step.hold_s).sum::<f64>() + TURNS_BACK_MAX as f64 * HARD_TURN_S + CLIMB_MAX_S
     }
 
     /// Whether the last step has been held.
@@ -106,9 +109,10 @@ impl StepFlight {
 
     /// The setpoint at a time in s since the beginning, with the first vehicle in a state.
     pub fn setpoint(&mut self, t_s: f64, first: &State) -> Setpoint {
-        let position_m = first.position_m();
-        let centre = *self.centre.get_or_insert(position_m);
-        if t_s >= self.until_s {
+        let climbs = self.centre.is_none() && (first.altitude_m - self.altitude_m).abs() > LEVEL_M;
+        if t_s >= self.until_s && (!climbs || t_s > CLIMB_MAX_S) {
+            let position_m = first.position_m();
+            let centre = *self.centre.get_or_insert(position_m);
             self.next(t_s, position_m - centre);
         }
         Setpoint { speed_mps: self.speed_mps, course_rad: self.course_rad, altitude_m: self.altitude_m }
