@@ -79,6 +79,9 @@ KNOWN = {
     "The capabilities are those that are there: no files, terrain or calibration, but local setpoints.": {
         "connection": ["its capabilities"],
     },
+    "MISSION_CURRENT is never behind the end of the mission on board.": {
+        "current items": ["a shorter mission", "cleared"],
+    },
     "WP_RADIUS is 15 m at first.": {
         "parameters": ["read one"],
     },

@@ -13,6 +13,7 @@ INTERVAL, REBOOT, SPEED = (
 )
 GUIDED, AUTO, RTL = 15, 10, 11
 FRAMES = range(22)
+TAG = 600
 
 
 @scene
@@ -100,6 +101,31 @@ def altitude_frames(talk):
             talk.long(mavlink.MAV_CMD_DO_CHANGE_ALTITUDE, 70, frame)
         with talk.step(f"a place in frame {frame}"):
             talk.int(mavlink.MAV_CMD_DO_REPOSITION, -1, 0, 0, 0, *here, 70, frame=frame)
+
+
+@scene
+def current_items(talk):
+    points = [talk.item(16, 0, 0), talk.item(TAG, p1=7), *(talk.item(16, 300 * n, 300) for n in range(1, 4))]
+    with talk.step("a mission"):
+        talk.upload([talk.item(16), *points])
+    for name, command in {
+        "the third item": (mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, 3),
+        "an item beyond the end": (mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, 9),
+        "home": (mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, 0),
+        "an item below 0": (mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, -1),
+        "the fourth item, and its jumps anew": (mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, 4, 1),
+        "the tag": (mavlink.MAV_CMD_DO_JUMP_TAG, 7),
+        "a tag that there is not": (mavlink.MAV_CMD_DO_JUMP_TAG, 8),
+    }.items():
+        with talk.step(f"by a command: {name}"):
+            talk.long(*command)
+    for seq in (2, 9, 5):
+        with talk.step(f"by a message: {seq}"):
+            talk.mav.mission_set_current_send(talk.system, talk.component, seq)
+    with talk.step("a shorter mission"):
+        talk.upload([talk.item(16), *points[:2]])
+    with talk.step("cleared"):
+        talk.mav.mission_clear_all_send(talk.system, talk.component, 0)
 
 
 @scene

@@ -182,3 +182,11 @@ def test_a_missing_ground_station_is_missed_and_its_return_is_said(craft):
     words(craft, "GCS Failsafe Cleared")
     assert status(craft) == (RTL, ACTIVE)
     assert craft.set_mode(GUIDED) == ACCEPTED
+
+
+def test_an_action_that_has_nothing_to_act_with_is_said(craft):
+    for name, value in {"FS_GCS_ENABL": 1, "FS_LONG_ACTN": 3, "FS_LONG_TIMEOUT": 5}.items():
+        craft.set_parameter(name, value)
+    craft.heartbeat()
+    assert words(craft, "GCS Failsafe On").text == "GCS Failsafe On: no parachute, stays in GUIDED"
+    assert craft.mode() == GUIDED

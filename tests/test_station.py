@@ -195,10 +195,11 @@ def test_who_is_killed_is_lost_and_the_others_go_on(start_fly, start_vehicles, f
     controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
     controller.wait_for("the flock flies")
     other.stop()
-    assert "vehicle 2" in controller.wait_for("is stale")
     assert "vehicle 2" in controller.wait_for("is lost")
     run = controller.end()
     assert run.status == 1
+    # First stale, unless this machine was itself too slow to see that.
+    assert told(run, "is stale") or told(run, "this machine stalled")
     assert "vehicle 2 is lost" in run.errors
     summary = run.summary
     assert summary["completed"] and not summary["success"]

@@ -66,7 +66,12 @@ def test_two_vehicles_on_a_serial_line(start_fly, start_vehicles, field):  # noq
     vehicles = start_vehicles(scenario, "--per-port", 2, ground_port=None)
     line = Line(vehicles.rows[0]["port"])
     try:
-        run = start_fly(scenario, "--link", f"{line.name},57600").end()
+        controller = start_fly(scenario, "--link", f"{line.name},57600")
+        controller.wait_for("the flock flies")
+        dropped, carried = line.dropped, line.carried
+        controller.wait_for("is left in LOITER")
+        dropped, carried = line.dropped - dropped, line.carried - carried
+        run = controller.end()
     finally:
         line.close()
     assert run.status == 0, run.errors
@@ -75,6 +80,10 @@ def test_two_vehicles_on_a_serial_line(start_fly, start_vehicles, field):  # noq
     assert link["overflows"] == 0
     # The vehicles' own streams before they were silenced may have been too much; the flight was not.
     assert run.summary["min_separation_m"] > 2
+    # Rates are lowered on purpose: in flight the line drops nothing, and is far from full.
+    assert dropped == 0, f"{dropped} bytes that the line could not carry"
+    assert carried < 0.8 * BYTES_PER_S * run.summary["duration_s"]
+    assert told(run, "streams that are not needed are silenced")
     assert run.summary["station"]["separation_rests_on"]["sample_gap_s"] < 0.5
 
 
@@ -195,11 +204,12 @@ def key_file(tmp_path):
 
 
 def test_signed_links_take_nothing_that_is_unsigned_forged_or_replayed(start_fly, start_vehicles, field, key_file):  # noqa: F811
-    scenario, port = field(count=1, duration_s=10), free_port()
+    scenario, port, other_port = field(count=1, duration_s=10), free_port(), free_port()
     vehicles = start_vehicles(scenario)
     signer = Signer(port, vehicles.rows[0]["port"])
     try:
-        controller = start_fly(scenario, "--link", f"udpin:127.0.0.1:{port}", "--signing-key", key_file)
+        links = [word for number in (port, other_port) for word in ("--link", f"udpin:127.0.0.1:{number}")]
+        controller = start_fly(scenario, *links, "--signing-key", key_file)
         # The station speaks to who has spoken: a first word, signed.
         for _ in range(10):
             beat = mavlink.MAVLink_heartbeat_message(1, 3, 89, 15, 4, 3)
@@ -211,7 +221,12 @@ def test_signed_links_take_nothing_that_is_unsigned_forged_or_replayed(start_fly
         lie = mavlink.MAVLink_heartbeat_message(1, 3, 81, 0, 4, 3)
         lie._header = mavlink.MAVLink_header(0, srcSystem=1, srcComponent=1)
         stranger = bind()
+        # Nor does an operator's word count that is not signed: abort.
+        abort = mavlink.MAVLink_command_long_message(255, 190, 31010, 0, 1, 0, 0, 0, 0, 0, 0)
         for _ in range(5):
+            stranger.sendto(abort.pack(mavlink.MAVLink(None, srcSystem=252)), signer.station)
+            # What one link has heard is a replay on every other.
+            stranger.sendto(signer.last, ("127.0.0.1", other_port))
             plain = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
             stranger.sendto(lie.pack(plain), signer.station)
             stranger.sendto(signer.signed(lie, bytes(32)), signer.station)
@@ -221,7 +236,8 @@ def test_signed_links_take_nothing_that_is_unsigned_forged_or_replayed(start_fly
         signer.close()
     assert run.status == 0, run.errors
     rejected = run.summary["link"]["rejected"]
-    assert rejected["unsigned"] >= 5 and rejected["forged"] >= 5 and rejected["replayed"] >= 1
+    assert rejected["unsigned"] >= 10 and rejected["forged"] >= 5 and rejected["replayed"] >= 6
+    assert run.summary["link"]["links"][1]["rejected"] == {"unsigned": 0, "forged": 0, "replayed": 5}
     assert signer.signed_from_station > 10 and signer.unsigned_from_station == 0
 
 

@@ -362,6 +362,9 @@ pub enum Transport {
     Udp,
     /// No sockets; the same flight to the last bit.
     Memory,
+    /// No sockets; vehicles and controller as in real time, with a clock and a link that are simulated: the loss and
+    /// the delay of the link count, and the flight is repeatable.
+    Simulated,
 }
 
 /// An optimiser by its key.

@@ -175,12 +175,43 @@ pub struct Summary {
     /// Counters of the link, as an object; `null` for a run in memory.
     #[serde(default)]
     pub link: serde_json::Value,
+    /// What a controller in real time knew of the present: delays, ages, errors, and decisions that came late; `null`
+    /// where time is simulated in step with the controller.
+    #[serde(default)]
+    pub present: serde_json::Value,
     /// What a ground station knows of a flight with vehicles that keep their own time: events, vehicles, and what the
     /// least distances rest on; `null` for others.
     #[serde(default)]
     pub station: serde_json::Value,
     /// The version of Columba that flew.
     pub version: String,
+}
+
+impl Summary {
+    /// A figure of what a controller in real time knew of the present.
+    pub fn present_figure(&self, name: &str) -> Option<f64> {
+        self.present.get(name)?.as_f64()
+    }
+
+    /// The mean over the vehicles of such a figure.
+    pub fn present_mean(&self, name: &str) -> Option<f64> {
+        let vehicles = self.present.get("vehicles")?.as_array()?;
+        let values: Vec<f64> = vehicles.iter().filter_map(|vehicle| vehicle.get(name)?.as_f64()).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    }
+
+    /// Which decisions came late or not at all, in words; none where all were in time.
+    pub fn lateness(&self) -> Option<String> {
+        let [ticks, late, missed] =
+            ["ticks", "late_ticks", "missed_ticks"].map(|name| self.present_figure(name).unwrap_or(0.0));
+        let worst_s = self.present_figure("worst_late_s").unwrap_or(0.0);
+        (late + missed > 0.0).then(|| {
+            format!(
+                "{late:.0} of {ticks:.0} decisions came late, by up to {worst_s:.2} s, and {missed:.0} not at all: the \
+                 machine cannot keep up"
+            )
+        })
+    }
 }
 
 /// The number under which a vehicle goes in everything that is written for people and their scripts: one for the first.

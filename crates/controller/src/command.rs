@@ -2,7 +2,7 @@
 
 use crate::polynomial::SINCOS_RANGE_RAD;
 use crate::{AltitudeLaw, CourseLaw, LawSettings, terms};
-use flight_model::{Dynamics, Setpoint, State};
+use flight_model::{Dynamics, Setpoint, State, wrap_pi};
 use nalgebra::Vector2;
 
 /// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
@@ -27,6 +27,8 @@ pub struct Commander {
     altitude_time_constants_s: (f64, f64),
     printed_altitude: bool,
     speed_gain: f64,
+    /// Greatest change of the course setpoint from one command to the next, times speed, rad m/s; none: any.
+    course_step_speed_max: Option<f64>,
 }
 
 impl Commander {
@@ -54,6 +56,8 @@ impl Commander {
                 AltitudeLaw::Hold => false,
             },
             speed_gain: dynamics.response.speed_gain,
+            course_step_speed_max: (law.course_law != CourseLaw::Printed)
+                .then(|| 2.0 * control_period_s * limits.lateral_acceleration_max_mps2()),
         }
     }
 
@@ -80,6 +84,21 @@ impl Commander {
     /// The speed on which the vehicle settles with a setpoint, m/s.
     pub fn speed_mps(&self, setpoint: &Setpoint) -> f64 {
         setpoint.speed_mps * self.speed_gain
+    }
+
+    /// The course changes (least and greatest, rad) that a command may ask on a course, after the last command: its
+    /// setpoint changes by at most what the vehicle turns in two control periods. No bound where there is no last one.
+    pub fn course_changes_rad(&self, state: &State, last_course_rad: Option<f64>) -> [f64; 2] {
+        let (Some(last_rad), Some(step_speed)) = (last_course_rad, self.course_step_speed_max) else {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        };
+        let step_rad = step_speed / state.speed_mps.max(self.speed_min_mps);
+        // Two turns that differ by more than half a circle cannot be told apart.
+        if step_rad >= std::f64::consts::PI {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        }
+        let last_change_rad = wrap_pi(last_rad - state.course_rad);
+        [last_change_rad - step_rad, last_change_rad + step_rad]
     }
 
     /// Greatest course change that the vehicle can follow below its limit of turn rate, rad; the faster it is or gets

@@ -32,6 +32,7 @@ pub fn evade(
     scene: &Scene<'_>,
     weights: [f64; 3],
     present: (f64, f64),
+    course_changes_rad: [f64; 2],
     rollout: &mut Rollout,
 ) -> Evasion {
     let speed_mps = scene.state.speed_mps;
@@ -42,7 +43,8 @@ pub fn evade(
         let limit_mps = if speed < 0.0 { commander.speed_min_mps } else { commander.speed_max_mps };
         let setpoint_mps = speed_mps + speed.abs() * (limit_mps - speed_mps);
         commands.speed_setpoint_mps[count] = setpoint_mps;
-        commands.course_change_rad[count] = course * commander.course_bound_rad(speed_mps, setpoint_mps);
+        let change_rad = course * commander.course_bound_rad(speed_mps, setpoint_mps);
+        commands.course_change_rad[count] = change_rad.max(course_changes_rad[0]).min(course_changes_rad[1]);
         count += 1;
     }
     let shortfalls_m = look_ahead.try_commands(scene, &commands, weights, count, rollout);

@@ -18,6 +18,8 @@ pub struct Flock {
     forecast: Forecast,
     decisions: Vec<Decision>,
     crafts: Vec<Craft>,
+    margins_m: Vec<f64>,
+    reference_speeds_mps: Vec<f64>,
 }
 
 impl Flock {
@@ -43,6 +45,8 @@ impl Flock {
             settings,
             pilots,
             neighbours: Neighbours::default(),
+            margins_m: Vec::new(),
+            reference_speeds_mps: Vec::new(),
             forecast: Forecast::default(),
             // Before the first solve the forecast flies the law with all weights one.
             decisions: vec![Decision { weights: [1.0; 3], ..Decision::default() }; vehicles],
@@ -52,6 +56,21 @@ impl Flock {
     /// Replaces the obstacles: those that move are given anew before each tick.
     pub fn set_obstacles(&mut self, obstacles: Vec<Obstacle>) {
         self.settings.obstacles = obstacles;
+    }
+
+    /// Says how far off the positions of the next ticks may be, m, one for each vehicle: both constraints of the
+    /// look-ahead want so much more distance. None given: the positions are exact.
+    pub fn set_margins(&mut self, margins_m: &[f64]) {
+        self.margins_m.clear();
+        self.margins_m.extend_from_slice(margins_m);
+    }
+
+    /// Gives the speeds to which Eq. 2 adds at the next ticks, m/s, one for each vehicle: a slow estimate settles where
+    /// the measured speed, which the vehicle's own loop moves, would keep both loops busy. None given: those of the
+    /// states.
+    pub fn set_reference_speeds(&mut self, speeds_mps: &[f64]) {
+        self.reference_speeds_mps.clear();
+        self.reference_speeds_mps.extend_from_slice(speeds_mps);
     }
 
     /// Algorithm 2 for one control period: a decision for each vehicle, in the order of `states`.
@@ -94,8 +113,14 @@ impl Flock {
     /// ```
     pub fn tick(&mut self, tick: u64, states: &[State], clock: &(dyn Fn() -> Duration + Sync)) -> &[Decision] {
         self.look_around(states);
-        let around =
-            Surroundings { settings: &self.settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
+        let around = Surroundings {
+            settings: &self.settings,
+            states,
+            neighbours: &self.neighbours,
+            forecast: &self.forecast,
+            margins_m: &self.margins_m,
+            reference_speeds_mps: &self.reference_speeds_mps,
+        };
         self.pilots
             .par_iter_mut()
             .zip(&mut self.decisions)
@@ -104,6 +129,9 @@ impl Flock {
             .for_each(|(vehicle, ((pilot, decision), _))| *decision = pilot.decide(&around, vehicle, tick, clock));
         if self.settings.controller.look_ahead.evasion {
             self.deconflict(states);
+        }
+        for (pilot, decision) in self.pilots.iter_mut().zip(&self.decisions) {
+            pilot.commit(decision);
         }
         &self.decisions
     }
@@ -118,8 +146,14 @@ impl Flock {
         clock: &(dyn Fn() -> Duration + Sync),
     ) -> Option<Decision> {
         self.look_around(states);
-        let around =
-            Surroundings { settings: &self.settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
+        let around = Surroundings {
+            settings: &self.settings,
+            states,
+            neighbours: &self.neighbours,
+            forecast: &self.forecast,
+            margins_m: &self.margins_m,
+            reference_speeds_mps: &self.reference_speeds_mps,
+        };
         states.get(vehicle)?;
         Some(self.pilots.get_mut(vehicle)?.decide(&around, vehicle, tick, clock))
     }
@@ -149,7 +183,14 @@ impl Flock {
         let first = |vehicle: usize| self.decisions.get(vehicle).map(|decision| decision.setpoint);
         self.forecast.fly_the_law(&context, states, weights, first, steps);
         for (vehicle, (pilot, decision)) in self.pilots.iter_mut().zip(&mut self.decisions).enumerate() {
-            let around = Surroundings { settings, states, neighbours: &self.neighbours, forecast: &self.forecast };
+            let around = Surroundings {
+                settings,
+                states,
+                neighbours: &self.neighbours,
+                forecast: &self.forecast,
+                margins_m: &self.margins_m,
+                reference_speeds_mps: &self.reference_speeds_mps,
+            };
             if let (Some(changed), Some(state)) = (pilot.reconsider(&around, vehicle, *decision), states.get(vehicle)) {
                 *decision = changed;
                 self.forecast.fly_again(&context, vehicle, state, changed.setpoint, changed.weights);

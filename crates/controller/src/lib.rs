@@ -32,6 +32,7 @@ mod look_ahead;
 mod neighbours;
 mod pilot;
 mod polynomial;
+mod present;
 mod rollout;
 mod settings;
 pub mod terms;
@@ -39,6 +40,7 @@ pub mod terms;
 pub use decision::{Decision, FlockError, FlockSettings};
 pub use field::{Expected, Obstacle};
 pub use flock::Flock;
+pub use present::{Estimate, Present};
 pub use settings::{
     AltitudeLaw, ControllerSettings, CourseLaw, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
     WeightSettings,

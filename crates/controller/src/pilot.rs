@@ -22,6 +22,16 @@ pub struct Surroundings<'a> {
     pub states: &'a [State],
     pub neighbours: &'a Neighbours,
     pub forecast: &'a Forecast,
+    /// How far off each position may be, m; empty: not at all.
+    pub margins_m: &'a [f64],
+    /// The speeds to which Eq. 2 adds, m/s; empty: those of the states.
+    pub reference_speeds_mps: &'a [f64],
+}
+
+impl Surroundings<'_> {
+    fn margin_m(&self, vehicle: usize) -> f64 {
+        self.margins_m.get(vehicle).copied().unwrap_or(0.0)
+    }
 }
 
 /// One vehicle's optimiser and its buffers, kept from tick to tick so that a tick allocates nothing.
@@ -31,6 +41,8 @@ pub struct Pilot {
     optimizer: Box<dyn Optimizer>,
     bounds: Vec<Bounds>,
     last_weights: Option<[f64; 3]>,
+    /// Of the last command: the next one does not jump far from it.
+    last_course_rad: Option<f64>,
     sight: Sight,
     rollout: Box<Rollout>,
 }
@@ -42,6 +54,8 @@ struct Sight {
     found: Vec<(f64, u32)>,
     neighbours: Vec<Neighbour>,
     passages: Vec<Passage>,
+    margin_m: f64,
+    neighbour_margins_m: Vec<f64>,
     obstacles: Vec<Obstacle>,
     close_obstacles: Vec<Obstacle>,
 }
@@ -61,6 +75,7 @@ impl Pilot {
             optimizer: settings.optimizer.build()?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
+            last_course_rad: None,
             sight: Sight::default(),
             rollout: Box::new(Rollout::new()),
         })
@@ -91,9 +106,28 @@ impl Pilot {
         let solve = clock().saturating_sub(started);
         self.last_weights = Some(choice.weights);
         let sight = &self.sight;
+        let speed_mps = around.reference_speeds_mps.get(vehicle).copied().unwrap_or(state.speed_mps);
+        let own = State { speed_mps, ..state };
         let setpoint =
-            command(law, expected, &self.commander, &state, &sight.neighbours, &sight.obstacles, choice.weights);
+            command(law, expected, &self.commander, &own, &sight.neighbours, &sight.obstacles, choice.weights);
+        let setpoint = self.without_a_jump(&state, setpoint);
         Decision { setpoint, weights: choice.weights, feasible: choice.violation_m <= 0.0, solve }
+    }
+
+    /// The decision goes out: the next command does not jump far from it.
+    pub fn commit(&mut self, decision: &Decision) {
+        self.last_course_rad = Some(decision.setpoint.course_rad);
+    }
+
+    /// The setpoint nearest to a wanted one that the vehicle can turn to after the last command.
+    fn without_a_jump(&self, state: &State, wanted: Setpoint) -> Setpoint {
+        let [least_rad, most_rad] = self.commander.course_changes_rad(state, self.last_course_rad);
+        let change_rad = wrap_pi(wanted.course_rad - state.course_rad);
+        if (least_rad..=most_rad).contains(&change_rad) {
+            return wanted;
+        }
+        let change_rad = if change_rad < least_rad { least_rad } else { most_rad };
+        Setpoint { course_rad: wrap_pi(state.course_rad + change_rad), ..wanted }
     }
 
     /// Checks a decision again with the forecast of the commands that the other vehicles have been given; returns
@@ -105,7 +139,8 @@ impl Pilot {
         let meets = |&(_, other): &(f64, u32)| {
             let theirs = around.forecast.vehicle(other as usize);
             let offset_m = |instant: usize| theirs[instant].position_m() - own[instant].position_m();
-            (1..own.len()).any(|instant| closest_approach_m(offset_m(instant - 1), offset_m(instant)) < separation_m)
+            let wanted_m = separation_m + (around.margin_m(vehicle) + around.margin_m(other as usize));
+            (1..own.len()).any(|instant| closest_approach_m(offset_m(instant - 1), offset_m(instant)) < wanted_m)
         };
         if decision.feasible && !self.sight.found.iter().any(meets) {
             return None;
@@ -118,8 +153,10 @@ impl Pilot {
     fn evade(&mut self, settings: &FlockSettings, state: State, decision: Decision) -> Decision {
         let present =
             (self.commander.speed_mps(&decision.setpoint), wrap_pi(decision.setpoint.course_rad - state.course_rad));
+        let changes_rad = self.commander.course_changes_rad(&state, self.last_course_rad);
         let scene = self.sight.scene(settings, state);
-        let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, &mut self.rollout);
+        let evasion =
+            evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, changes_rad, &mut self.rollout);
         if (evasion.speed_setpoint_mps, evasion.course_change_rad) == present {
             return Decision { feasible: evasion.violation_m <= 0.0, ..decision };
         }
@@ -142,6 +179,8 @@ impl Sight {
             close_obstacles: &self.close_obstacles,
             detected: self.obstacles.iter().any(|obstacle| terms::detects(law, position_m, heading, obstacle)),
             neighbours: &self.passages,
+            margin_m: self.margin_m,
+            neighbour_margins_m: &self.neighbour_margins_m,
         }
     }
 
@@ -160,17 +199,22 @@ impl Sight {
         let state = &around.states[vehicle];
         let horizon_s = look_ahead.steps(settings.control_period_s) as f64 * settings.control_period_s;
         let reach_m = horizon_s * settings.speed_max_mps();
-        let range_m = law.communication_distance_m.max(look_ahead.separation_m) + reach_m;
+        let margins_m = 2.0 * around.margins_m.iter().copied().fold(0.0, f64::max);
+        let range_m = law.communication_distance_m.max(look_ahead.separation_m + margins_m) + reach_m;
         around.neighbours.nearest(around.states, vehicle, range_m, look_ahead.neighbours_max, &mut self.found);
         self.neighbours.clear();
         self.neighbours.extend(self.found.iter().map(|&(_, index)| Neighbour::of(&around.states[index as usize])));
         self.foresee(around);
+        self.margin_m = around.margin_m(vehicle);
+        self.neighbour_margins_m.clear();
+        self.neighbour_margins_m.extend(self.found.iter().map(|&(_, index)| around.margin_m(index as usize)));
         let within =
             |distance_m: f64| move |obstacle: &&Obstacle| obstacle.clearance_m(state.position_m()) <= distance_m;
         self.obstacles.clear();
         self.obstacles.extend(settings.obstacles.iter().filter(within(law.perception_distance_m + reach_m)));
         self.close_obstacles.clear();
-        self.close_obstacles.extend(self.obstacles.iter().filter(within(look_ahead.clearance_m + reach_m)));
+        self.close_obstacles
+            .extend(self.obstacles.iter().filter(within(look_ahead.clearance_m + reach_m + self.margin_m)));
     }
 }
 

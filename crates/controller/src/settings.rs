@@ -141,6 +141,8 @@ pub struct LookAheadSettings {
     /// Whether all commands are checked together before they are sent, and commands that lead too near to something are
     /// replaced by evasive ones (beyond the paper; figures in docs/reading.md).
     pub evasion: bool,
+    /// Where a position is not known exactly, both constraints want so many standard deviations of it more; 0: none.
+    pub margin_sigmas: f64,
     /// At most this many neighbours, the nearest, enter a prediction.
     pub neighbours_max: usize,
 }
@@ -182,6 +184,7 @@ impl Default for LookAheadSettings {
             separation_m: 3.0,
             clearance_m: 1.0,
             evasion: true,
+            margin_sigmas: 2.0,
             neighbours_max: 16,
         }
     }
@@ -236,6 +239,7 @@ impl LookAheadSettings {
         ranges.above("horizon_s", self.horizon_s, 0.0, Self::HORIZON_MAX_S);
         ranges.above("separation_m", self.separation_m, 0.0, 1e3);
         ranges.within("clearance_m", self.clearance_m, 0.0, 100.0);
+        ranges.within("margin_sigmas", self.margin_sigmas, 0.0, 10.0);
         ranges.whole("neighbours_max", self.neighbours_max, 1, 64);
         ranges.errors()
     }
@@ -256,6 +260,7 @@ impl ControllerSettings {
         settings.weights = WeightSettings { kind: WeightKind::Shared, min: 0.0, ..settings.weights };
         settings.look_ahead.forecast = ForecastKind::Straight;
         settings.look_ahead.evasion = false;
+        settings.look_ahead.margin_sigmas = 0.0;
         settings
     }
 

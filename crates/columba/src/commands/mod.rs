@@ -268,6 +268,9 @@ fn say(scenario: &Scenario, folder: &RunFolder, flight: &Flight, with_report: bo
         metres(summary.min_separation_m),
         metres(summary.min_clearance_m)
     ));
+    if let Some(lateness) = summary.lateness() {
+        print_line(format_args!("  {lateness}"));
+    }
     let past = match summary.obstacles {
         0 => String::new(),
         _ => format!("past the last obstacle: {} of {}; ", summary.passed_last_obstacle, summary.vehicles),

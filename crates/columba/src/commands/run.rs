@@ -21,7 +21,7 @@ use tokio::sync::{oneshot, watch};
 /// Flies the scenario and writes its folder.
 pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
     let scenario = config::load(args.config.as_deref(), &cli.layers)?;
-    if args.transport == Transport::Memory && args.speed.is_some() {
+    if args.transport != Transport::Udp && args.speed.is_some() {
         return Err(anyhow!("--speed needs --transport udp: a run in memory has no clock").into());
     }
     start_threads(cli)?;
@@ -40,6 +40,11 @@ pub fn run(cli: &Cli, args: &RunArgs) -> Result<(), Failure> {
         Transport::Memory => {
             let folder = open_folder(&scenario, &args.folder)?;
             (folder, flying::fly_in_memory(&scenario, &progress, &stop)?, None)
+        }
+        Transport::Simulated => {
+            let folder = open_folder(&scenario, &args.folder)?;
+            let (flight, log) = flying::fly_simulated(&scenario, &progress, &stop)?;
+            (folder, flight, log)
         }
         Transport::Udp => over_udp(&scenario, args, view.as_ref(), &progress, stop)?,
     };

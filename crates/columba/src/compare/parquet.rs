@@ -181,9 +181,9 @@ mod tests {
     fn every_figure_of_a_summary_has_its_column() {
         let columns: Vec<&str> = [&IDENTITY[..], &FLIGHT, &TIMES].concat().iter().map(|(name, _)| *name).collect();
         let summary = serde_json::to_value(Summary::default()).unwrap();
-        // A flight in memory has no link and no ground station, one that was interrupted no row, and the factor follows
-        // from the rest.
-        let without = ["link", "station", "interrupted", "real_time_factor"];
+        // A flight in memory has no link, no ground station and no present to estimate, one that was interrupted no
+        // row, and the factor follows from the rest.
+        let without = ["link", "station", "present", "interrupted", "real_time_factor"];
         for name in summary.as_object().unwrap().keys().filter(|name| !without.contains(&name.as_str())) {
             let split = format!("{}_a", name.trim_end_matches('s'));
             assert!(columns.contains(&name.as_str()) || columns.contains(&split.as_str()), "{name}");

@@ -1,7 +1,7 @@
 //! The ground station: one socket, the fleet it hears, and the log of both.
 
-use super::Log;
 use super::vehicles::{reachable, system_id};
+use super::{Closed, Log};
 use crate::config::Scenario;
 use flight_model::{RangeError, Ranges};
 use mavlink_bridge::dialect::{COMMAND_LONG_DATA, MavCmd, MavResult, Message};
@@ -109,6 +109,8 @@ pub struct GroundStation {
     started: Instant,
     received: Vec<u8>,
     written: Vec<u8>,
+    /// What the last datagram said, by vehicle.
+    heard: Vec<(usize, Message)>,
 }
 
 impl GroundStation {
@@ -132,6 +134,7 @@ impl GroundStation {
             started: Instant::now(),
             received: Vec::new(),
             written: Vec::new(),
+            heard: Vec::new(),
         })
     }
 
@@ -169,18 +172,33 @@ impl GroundStation {
         let from = self.link.recv(&mut self.received).await?;
         let now = self.started.elapsed();
         news.clear();
+        self.heard.clear();
         let mut lost = Counters::default();
         let sequence = self.sequences.entry(from).or_default();
         for (frame, message) in messages(&self.received, &mut self.counters) {
             if sequence.observe(&frame, &mut lost) != Order::Repeated {
                 self.log.frame(at_us, frame.bytes);
             }
-            if let Ok(message) = &message {
-                news.push(self.fleet.hear(&frame.header, message, from, now));
+            if let Ok(message) = message {
+                let event = self.fleet.hear(&frame.header, &message, from, now);
+                if let FleetEvent::Position(vehicle) | FleetEvent::Other(vehicle) = event {
+                    self.heard.push((vehicle, message));
+                }
+                news.push(event);
             }
         }
         self.counters += lost;
         Ok(())
+    }
+
+    /// The messages of the fleet's vehicles in the last datagram, each with the vehicle's index.
+    pub fn heard(&self) -> &[(usize, Message)] {
+        &self.heard
+    }
+
+    /// Frames that came and that were lost on the way, so far.
+    pub fn frames(&self) -> [u64; 2] {
+        [self.counters.frames, self.counters.lost]
     }
 
     /// Sends messages to a vehicle in one datagram, which is returned to be sent again; logs them at `at_us`. A vehicle
@@ -307,10 +325,10 @@ impl GroundStation {
     }
 
     /// The counters of the link as JSON, and the log.
-    pub fn close(self) -> (serde_json::Value, Option<Log>) {
+    pub fn close(self) -> Closed {
         let counters = serde_json::to_value(self.link.counters() + self.counters);
         // Numbers by name cannot fail to be written.
-        (counters.unwrap_or_default(), Some(self.log))
+        Closed { counters: counters.unwrap_or_default(), log: Some(self.log), ..Closed::default() }
     }
 }
 

@@ -66,6 +66,11 @@ impl GroundTruth {
         Self { source, start: Duration::ZERO, step: Duration::ZERO, tracks: Vec::new() }
     }
 
+    /// Whether the vehicles themselves tell how they fly.
+    pub fn is_observed(&self) -> bool {
+        matches!(self.source, Source::Observed(_))
+    }
+
     /// Forgets what was flown before now: this is time zero of the flight.
     pub fn start(&mut self) {
         if let Source::Observed(observed) = &mut self.source {

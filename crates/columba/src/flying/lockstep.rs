@@ -5,7 +5,7 @@
 //! the machine, can change a flight: it can only take longer.
 
 use super::vehicles::LOCKSTEP_EPOCH_US;
-use super::{FlightError, GroundStation, GroundTruth, Interval, Log, World};
+use super::{Closed, FlightError, GroundStation, GroundTruth, Interval, World};
 use crate::config::Scenario;
 use controller::Decision;
 use flight_model::State;
@@ -114,7 +114,7 @@ impl World for Lockstep {
         self.ground_truth.interval()
     }
 
-    fn close(self) -> (serde_json::Value, Option<Log>) {
+    fn close(self) -> Closed {
         self.ground.close()
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! States and setpoints are rounded as the wire would round them, so that a flight has the same bits as in lockstep.
 
-use super::{FlightError, Interval, LOCKSTEP_EPOCH_US, Log, Progress, Stop, World, fly, led_vehicle_settings};
+use super::{Closed, FlightError, Interval, LOCKSTEP_EPOCH_US, Progress, Stop, World, fly, led_vehicle_settings};
 use crate::config::Scenario;
 use crate::flight::Flight;
 use controller::Decision;
@@ -18,12 +18,16 @@ use std::time::Duration;
 /// # Errors
 /// The optimiser or a vehicle refuses its settings.
 pub fn fly_in_memory(scenario: &Scenario, progress: &Progress, stop: &Stop) -> anyhow::Result<Flight> {
-    let mut flight = pin!(fly(scenario, Memory::new(scenario)?, progress, stop.clone()));
-    // Nothing in memory waits for anything, so that no runtime is needed to wake it.
+    at_once(fly(scenario, Memory::new(scenario)?, progress, stop.clone())).map(|(flight, _)| flight)
+}
+
+/// The result of a flight that waits for nothing, so that no runtime is needed to wake it.
+pub fn at_once<T>(flight: impl Future<Output = T>) -> T {
+    let mut flight = pin!(flight);
     let mut context = Context::from_waker(Waker::noop());
     loop {
         if let Poll::Ready(flown) = flight.as_mut().poll(&mut context) {
-            return flown.map(|(flight, _)| flight);
+            return flown;
         }
     }
 }
@@ -101,7 +105,7 @@ impl World for Memory {
         Interval { start: self.interval_start, step: self.step, tracks: &self.tracks }
     }
 
-    fn close(self) -> (serde_json::Value, Option<Log>) {
-        (serde_json::Value::Null, None)
+    fn close(self) -> Closed {
+        Closed::default()
     }
 }

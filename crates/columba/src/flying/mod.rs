@@ -1,4 +1,4 @@
-//! Flying a scenario: one tick loop over three worlds, and what is kept of a flight.
+//! Flying a scenario: one tick loop over four worlds, and what is kept of a flight.
 
 mod ground_station;
 mod ground_truth;
@@ -8,7 +8,10 @@ mod memory;
 mod progress;
 mod real_time;
 mod recorder;
+mod setpoints;
+mod simulated;
 mod vehicles;
+mod watch;
 mod world;
 
 pub use ground_station::{FlightError, GroundSettings, GroundStation};
@@ -19,10 +22,12 @@ pub use memory::{Memory, fly_in_memory};
 pub use progress::{Progress, progress_over};
 pub use real_time::RealTime;
 pub use recorder::{Ended, Recorder, field, name_of, settings};
+pub use simulated::{Simulated, fly_simulated};
 pub use vehicles::{
     LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, reachable, sockets, vehicle_settings,
 };
-pub use world::{Interval, World, fly};
+pub use watch::Watch;
+pub use world::{Closed, Interval, World, fly};
 
 /// Lets go of a flight: holds true once someone asks it to end.
 pub type Stop = tokio::sync::watch::Receiver<bool>;

@@ -1,86 +1,100 @@
 //! A world over real MAVLink in real time: the wall clock, or k times it.
 //!
-//! Every control period each vehicle's last known position is carried forward to the present, the flock decides, and
-//! the setpoints go out. A setpoint that is lost is not repeated: the next period sends a new one.
+//! Every control period the flock decides for the moment at which its commands act, from where each vehicle will be
+//! then ([`Watch`]), and the setpoints go out; again within the period where the link loses some.
 
+use super::setpoints::setpoint_messages;
 use super::vehicles::unix_us;
-use super::{FlightError, GroundStation, GroundTruth, Interval, Log, World};
+use super::{Closed, FlightError, GroundStation, GroundTruth, Interval, Watch, World};
 use crate::config::{Scenario, SetpointDialect};
 use controller::Decision;
-use flight_model::{Setpoint, State};
-use mavlink_bridge::dialect::Message;
+use flight_model::State;
 use mavlink_bridge::telemetry::ground_heartbeat;
-use mavlink_bridge::{Position, guided_commands, local_ned_setpoint};
 use std::time::Duration;
 use tokio::time::Instant;
 
 /// Vehicles whose position stays unknown for this long before the flight are given up.
 const MUSTER_PATIENCE: Duration = Duration::from_secs(15);
-/// Bank is left to the autopilot's own limit: ArduPlane takes the lateral acceleration's limit in m/s2 with each
-/// heading.
-const LATERAL_ACCELERATION_MPS2: f64 = 50.0;
 
 /// Vehicles that keep their own time, behind a link.
 pub struct RealTime {
     ground: GroundStation,
     ground_truth: GroundTruth,
+    watch: Watch,
     /// Seconds of flight for each second of the wall clock.
     speed: f64,
+    period: Duration,
     setpoints: SetpointDialect,
     /// Heartbeats are due once in so many control periods.
     ticks_per_heartbeat: u64,
     sent: u64,
+    /// Flight time counts from here, on the wall clock and on that of the watch.
     started: Instant,
+    zero: Duration,
     now: Duration,
-    states: Vec<State>,
+    decisions: Vec<Decision>,
     /// Vehicles of which a warning of silence was given.
     silent: Vec<bool>,
+    /// Whether a late decision was warned of.
+    is_late: bool,
 }
 
 impl RealTime {
     /// The vehicles of a scenario as `ground` hears them; their time runs `speed` times as fast as the wall clock.
     pub fn new(scenario: &Scenario, ground: GroundStation, ground_truth: GroundTruth, speed: f64) -> Self {
-        let states = scenario.starts.clone();
         Self {
             ground,
             ground_truth,
+            watch: Watch::new(scenario),
             speed,
+            period: scenario.control_period,
             setpoints: scenario.link.setpoints,
             ticks_per_heartbeat: ((speed / scenario.control_period.as_secs_f64()).round() as u64).max(1),
             sent: 0,
             started: Instant::now(),
+            zero: Duration::ZERO,
             now: Duration::ZERO,
-            silent: vec![false; states.len()],
-            states,
+            decisions: Vec::new(),
+            silent: vec![false; scenario.starts.len()],
+            is_late: false,
         }
     }
 
-    /// The setpoint in the autopilot's own dialect.
-    fn setpoint(&self, vehicle: usize, setpoint: &Setpoint) -> Vec<Message> {
-        let target = self.ground.target(vehicle);
-        match self.setpoints {
-            SetpointDialect::LocalNed => vec![local_ned_setpoint(self.now, target, setpoint)],
-            SetpointDialect::Arduplane => {
-                match guided_commands(target, setpoint, setpoint.altitude_m, LATERAL_ACCELERATION_MPS2) {
-                    Ok(commands) => commands.into(),
-                    Err(error) => {
-                        tracing::warn!(vehicle = vehicle + 1, %error, "setpoint not sent");
-                        Vec::new()
-                    }
-                }
-            }
-        }
+    /// The watch's clock: flight time that began with the ground station.
+    fn watch_now(&self) -> Duration {
+        self.ground.now().mul_f64(self.speed)
     }
 
-    /// Takes what comes until an instant.
-    async fn listen_until(&mut self, until: Instant) -> Result<(), FlightError> {
+    /// Takes what comes until a flight time.
+    async fn listen_until(&mut self, until: Duration) -> Result<(), FlightError> {
+        let until = self.started + until.div_f64(self.speed);
         let mut news = Vec::new();
         loop {
             tokio::select! {
                 received = self.ground.recv(unix_us(), &mut news) => received?,
                 () = tokio::time::sleep_until(until) => return Ok(()),
             }
+            let now = self.watch_now();
+            for (vehicle, message) in self.ground.heard() {
+                self.watch.hear(*vehicle, message, now);
+            }
         }
+    }
+
+    /// Sends each vehicle its part of the last decisions.
+    async fn command(&mut self) {
+        let heartbeat = self.sent.is_multiple_of(self.ticks_per_heartbeat).then(ground_heartbeat);
+        let decisions = std::mem::take(&mut self.decisions);
+        for (vehicle, decision) in decisions.iter().enumerate() {
+            let now = self.watch_now();
+            let setpoint = self.watch.command(vehicle, decision, now);
+            let mut messages = Vec::from_iter(heartbeat.clone());
+            messages.push(Watch::time_request(now));
+            let target = self.ground.target(vehicle);
+            messages.extend(setpoint_messages(self.setpoints, vehicle, target, &setpoint, self.now));
+            self.ground.send(vehicle, &messages, unix_us()).await;
+        }
+        self.decisions = decisions;
     }
 
     /// Warns of vehicles that have become silent.
@@ -95,14 +109,10 @@ impl RealTime {
         }
     }
 
-    /// Takes over where all vehicles are at this moment.
-    fn see(&mut self) {
-        let (now, silence) = (self.ground.now(), self.ground.settings().silence());
-        for (state, craft) in self.states.iter_mut().zip(self.ground.fleet().vehicles()) {
-            if let Some(position) = craft.position {
-                *state = carry_forward(&position, now.saturating_sub(position.heard).min(silence), self.speed);
-            }
-        }
+    fn look(&mut self) {
+        let [came, lost] = self.ground.frames();
+        self.watch.note_frames(came, lost);
+        self.watch.look(self.watch_now());
     }
 }
 
@@ -114,8 +124,14 @@ impl World for RealTime {
     async fn prepare(&mut self) -> Result<(), FlightError> {
         let ready = self.ground.make_ready(MUSTER_PATIENCE, unix_us()).await;
         self.started = Instant::now();
+        self.zero = self.watch_now();
         self.ground_truth.start();
-        self.see();
+        for (vehicle, craft) in self.ground.fleet().vehicles().iter().enumerate() {
+            if let Some(position) = craft.position {
+                self.watch.hear_position(vehicle, &position, position.heard.mul_f64(self.speed));
+            }
+        }
+        self.look();
         ready
     }
 
@@ -124,42 +140,73 @@ impl World for RealTime {
     }
 
     fn states(&self) -> &[State] {
-        &self.states
+        self.watch.states()
+    }
+
+    fn foreseen(&self) -> &[State] {
+        self.watch.foreseen()
+    }
+
+    fn margins_m(&self) -> &[f64] {
+        self.watch.margins_m()
+    }
+
+    fn reference_speeds_mps(&self) -> &[f64] {
+        self.watch.reference_speeds_mps()
     }
 
     async fn send(&mut self, decisions: &[Decision]) -> Result<(), FlightError> {
-        let heartbeat = self.sent.is_multiple_of(self.ticks_per_heartbeat).then(ground_heartbeat);
-        self.sent += 1;
-        for (vehicle, decision) in decisions.iter().enumerate() {
-            let mut messages = Vec::from_iter(heartbeat.clone());
-            messages.extend(self.setpoint(vehicle, &decision.setpoint));
-            self.ground.send(vehicle, &messages, unix_us()).await;
+        self.decisions.clear();
+        self.decisions.extend_from_slice(decisions);
+        if let Some(late_s) = self.watch.decided(self.zero + self.now, self.watch_now())
+            && !self.is_late
+        {
+            let t_s = self.now.as_secs_f64();
+            tracing::warn!(t_s, late_s, "a decision came late: the machine cannot keep up");
+            self.is_late = true;
         }
+        self.command().await;
+        self.sent += 1;
         Ok(())
     }
 
     async fn advance(&mut self, until: Duration) -> Result<(), FlightError> {
-        self.listen_until(self.started + until.div_f64(self.speed)).await?;
+        let sends = self.watch.sends_in_a_period();
+        for send in 1..sends {
+            let part = until.saturating_sub(self.now) / sends * send;
+            self.listen_until(self.now + part).await?;
+            self.command().await;
+        }
+        self.listen_until(until).await?;
         self.watch_silence();
         let from = std::mem::replace(&mut self.now, until);
-        self.see();
-        self.ground_truth.advance(from, until, &self.states);
+        self.look();
+        self.ground_truth.advance(from, until, self.watch.states());
+        let Interval { start, step, tracks } = self.ground_truth.interval();
+        if self.ground_truth.is_observed() {
+            self.watch.compare(self.zero + start, step, tracks);
+        }
         Ok(())
+    }
+
+    fn after(&mut self, tick: u64) -> u64 {
+        let flown = self.watch_now().saturating_sub(self.zero);
+        let next = u64::try_from(flown.as_nanos() / self.period.as_nanos().max(1)).unwrap_or(u64::MAX);
+        if next <= tick + 1 {
+            return tick + 1;
+        }
+        // A decision for a moment that has gone by helps nobody.
+        self.watch.missed(next - (tick + 1));
+        self.now = self.period * u32::try_from(next).unwrap_or(u32::MAX);
+        self.look();
+        next
     }
 
     fn ground_truth(&mut self) -> Interval<'_> {
         self.ground_truth.interval()
     }
 
-    fn close(self) -> (serde_json::Value, Option<Log>) {
-        self.ground.close()
+    fn close(self) -> Closed {
+        Closed { present: self.watch.figures(), ..self.ground.close() }
     }
-}
-
-/// A position that was heard `age` ago, moved on at its velocity.
-fn carry_forward(position: &Position, age: Duration, speed: f64) -> State {
-    let age_s = age.as_secs_f64() * speed;
-    let state = position.state;
-    let position_m = state.position_m() + state.velocity_mps() * age_s;
-    State { x_m: position_m.x, y_m: position_m.y, altitude_m: state.altitude_m + state.climb_mps * age_s, ..state }
 }

@@ -1,6 +1,6 @@
 //! What is kept of a flight while it flies, and the summary when it is over.
 
-use super::{FlightError, Interval};
+use super::{Closed, FlightError, Interval};
 use crate::config::Scenario;
 use crate::flight::{Field, Flight, Obstacle, Row, Setting, Summary, Tick, Trajectory, vehicle_number};
 use crate::judge::{COLLISION_DISTANCE_M, Judge, Minima, Verdict};
@@ -101,7 +101,7 @@ impl Recorder {
     }
 
     /// The flight as it is to be written.
-    pub fn finish(mut self, scenario: &Scenario, transport: &str, ended: Ended, link: serde_json::Value) -> Flight {
+    pub fn finish(mut self, scenario: &Scenario, transport: &str, ended: Ended, closed: Closed) -> Flight {
         let wall_s = self.started.elapsed().as_secs_f64();
         let duration_s = self.trajectory.ticks.last().map_or(0.0, |tick| tick.t_s);
         let verdict = self.judge.verdict();
@@ -147,7 +147,8 @@ impl Recorder {
             solve_us_p99: self.percentile_us(0.99),
             wall_s,
             real_time_factor: if wall_s > 0.0 { duration_s / wall_s } else { 0.0 },
-            link,
+            link: closed.counters,
+            present: closed.present,
             station: serde_json::Value::Null,
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };

@@ -30,6 +30,26 @@ pub trait World {
     /// The states of all vehicles as the controller knows them; the planned starts before the first are known.
     fn states(&self) -> &[State];
 
+    /// The states from which the next decisions are made: those at the moment at which they will act.
+    fn foreseen(&self) -> &[State] {
+        self.states()
+    }
+
+    /// How far off these may be, m, one for each vehicle; empty: they are exact.
+    fn margins_m(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The speeds to which Eq. 2 adds, m/s, one for each vehicle; empty: those of these states.
+    fn reference_speeds_mps(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The tick that follows a tick: the next one, unless its time has gone by.
+    fn after(&mut self, tick: u64) -> u64 {
+        tick + 1
+    }
+
     /// The states at time zero by which the flight is judged: those that the controller knows, unless better ones
     /// exist.
     fn starts(&self) -> Vec<State> {
@@ -51,8 +71,19 @@ pub trait World {
     /// How the vehicles flew since this was last asked, or since time zero.
     fn ground_truth(&mut self) -> Interval<'_>;
 
-    /// Ends the flight: the counters of the link as JSON (`null` without a link), and the log of the link, if any.
-    fn close(self) -> (serde_json::Value, Option<Log>);
+    /// Ends the flight.
+    fn close(self) -> Closed;
+}
+
+/// What is left of a world when the flight is over.
+#[derive(Default)]
+pub struct Closed {
+    /// The counters of the link as JSON; `null` without a link.
+    pub counters: serde_json::Value,
+    /// What the controller knew of the present as JSON; `null` where it knew everything.
+    pub present: serde_json::Value,
+    /// The log of the link, if any.
+    pub log: Option<Log>,
 }
 
 /// A stretch of the flights of all vehicles, side by side.
@@ -89,8 +120,11 @@ pub async fn fly<W: World>(
     let clock = move || started.elapsed();
     let flown = async {
         prepared?;
-        for tick in 0..scenario.ticks() {
-            let decisions = flock.tick(tick, world.states(), &clock);
+        let mut tick = 0;
+        while tick < scenario.ticks() {
+            flock.set_margins(world.margins_m());
+            flock.set_reference_speeds(world.reference_speeds_mps());
+            let decisions = flock.tick(tick, world.foreseen(), &clock);
             recorder.tick(world.now(), world.states(), decisions);
             unless_stopped(&mut stop, world.send(decisions)).await?;
             progress.decided(world.now(), world.states(), decisions, &recorder);
@@ -105,15 +139,17 @@ pub async fn fly<W: World>(
                 "tick"
             );
             progress.flown(tick + 1);
+            tick = world.after(tick);
         }
         Ok(())
     };
     let flown = flown.await;
     recorder.last(world.now(), world.states());
     let transport = world.transport();
-    let (counters, log) = world.close();
-    tracing::debug!(%counters, "closed");
-    Ok((recorder.finish(scenario, transport, flown.into(), counters), log))
+    let mut closed = world.close();
+    let log = closed.log.take();
+    tracing::debug!(counters = %closed.counters, "closed");
+    Ok((recorder.finish(scenario, transport, flown.into(), closed), log))
 }
 
 /// The result of `work`, unless the flight is interrupted first.

@@ -95,6 +95,27 @@ fn nearest(summary: &Summary) -> String {
     if parts.is_empty() { String::new() } else { format!("; {}", parts.join(", ")) }
 }
 
+/// What a controller in real time knew of the present.
+fn present_figures(summary: &Summary) -> Vec<KeyFigure> {
+    let mut figures = Vec::new();
+    if let Some(error_m) = summary.present_figure("state_error_rms_m") {
+        let note = "where vehicles were foreseen, against where they flew; root of the mean square".to_owned();
+        figures.push(("State error", unit(error_m, 2, "m"), note));
+    }
+    let delays_s = ["telemetry_delay_s", "command_delay_s"].map(|name| summary.present_mean(name));
+    if let [Some(telemetry_s), Some(command_s)] = delays_s {
+        let spread_s = summary.present_mean("delay_spread_s").unwrap_or(0.0);
+        let note = format!("of telemetry and of commands; spread {}", unit(1e3 * spread_s, 0, "ms"));
+        let value = format!("{} and {}", fixed(1e3 * telemetry_s, 0), unit(1e3 * command_s, 0, "ms"));
+        figures.push(("Delay of the link", value, note));
+    }
+    if let Some(lateness) = summary.lateness() {
+        let late = ["late_ticks", "missed_ticks"].map(|name| summary.present_figure(name).unwrap_or(0.0));
+        figures.push(("Late decisions", format!("{:.0}", late[0] + late[1]), lateness));
+    }
+    figures
+}
+
 /// A key figure: what it is, its value, and what more there is to say.
 pub type KeyFigure = (&'static str, String, String);
 
@@ -155,6 +176,7 @@ pub fn key_figures(flight: &Flight) -> Vec<KeyFigure> {
             format!("{} of wall time", unit(summary.wall_s, 2, "s")),
         ),
     ];
+    figures.extend(present_figures(summary));
     if summary.obstacles > 0 {
         let passed = format!("{} of {}", summary.passed_last_obstacle, summary.vehicles);
         figures.insert(5, ("Past the last obstacle", passed, no_note()));

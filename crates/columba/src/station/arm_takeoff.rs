@@ -1,5 +1,5 @@
 //! Third phase: all are armed and take off together. Who is in the air climbs to a height of its own at once, and is on
-//! its way to its lane while the others follow.
+//! its way to its lane while the others follow. There it circles until all have taken off.
 
 use super::gather::Gather;
 use super::told::Weight;
@@ -18,7 +18,10 @@ pub struct TakeOff {
 impl TakeOff {
     pub(super) fn new(station: &Station, now: Duration) -> Self {
         let scenario = &station.scenario;
-        let gather = Gather::new(&scenario.starts, scenario.expected, &scenario.obstacles, &station.limits);
+        let hovers = |index: usize| station.vehicles[index].driver().is_some_and(|driver| driver.kind().hovers());
+        let mut gather = Gather::new(&scenario.starts, scenario.expected, &scenario.obstacles, &station.limits)
+            .with_hovering(hovers);
+        gather.hold(true);
         Self { began: now, gather, flying: vec![false; scenario.starts.len()] }
     }
 
@@ -45,6 +48,7 @@ impl TakeOff {
             return Phase::HandOver(handover::HandOver::new(now));
         }
         if waiting.is_empty() {
+            self.gather.hold(false);
             return Phase::Gather(gather_phase::GatherPhase::new(self.gather, now));
         }
         if now.saturating_sub(self.began) > station.settings.ready_patience {

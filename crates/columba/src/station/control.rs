@@ -13,6 +13,8 @@ const SAME_AGAIN: Duration = Duration::from_secs(1);
 const CHANGED_AGAIN: Duration = Duration::from_millis(200);
 /// A setpoint that is not answered is sent again after this.
 const ANSWER_PATIENCE: Duration = Duration::from_millis(350);
+/// A speed that is outside the vehicle's own limits by more than this is told, m/s.
+const SPEED_OUTSIDE_MPS: f64 = 1.0;
 /// After so many refusals in a row a vehicle is told to refuse.
 const REFUSALS_TOLD: u32 = 3;
 
@@ -46,7 +48,16 @@ impl Station {
             return;
         }
         let Some(messages) = self.encode(index, setpoint, now) else { return };
+        let (asked_mps, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
+        if (asked_mps - airspeed_mps).abs() > SPEED_OUTSIDE_MPS {
+            let text = format!(
+                "is asked for {airspeed_mps:.1} m/s of airspeed instead of {asked_mps:.1}: its own limits are narrower \
+                 now"
+            );
+            self.tell_once(index, "narrower", Weight::Warning, text, now);
+        }
         let vehicle = &mut self.vehicles[index];
+        vehicle.present.command(now.as_secs_f64(), setpoint);
         vehicle.setpoint = Some(*setpoint);
         vehicle.setpoint_sent = Some(now);
         if vehicle.driver().is_some_and(|driver| driver.acknowledges_setpoints()) {
@@ -68,7 +79,7 @@ impl Station {
     pub fn watch_answers(&mut self, index: usize, now: Duration) {
         let Some(vehicle) = self.vehicles.get_mut(index) else { return };
         let (mut again, mut refused) = (Vec::new(), None);
-        for purpose in SETPOINT_PURPOSES {
+        for (number, purpose) in SETPOINT_PURPOSES.into_iter().enumerate() {
             let Some(order) = vehicle.orders.get_mut(purpose) else { continue };
             match order.answer.take() {
                 None if order.tries < 3 && now.saturating_sub(order.sent) >= ANSWER_PATIENCE => {
@@ -77,19 +88,23 @@ impl Station {
                 }
                 None => {}
                 Some(answer) => {
+                    // Each kind of command on its own: one that follows the course may refuse every speed.
                     if answer == "ACCEPTED" {
-                        vehicle.refusals = 0;
+                        vehicle.refusals[number] = 0;
                     } else {
-                        refused = Some((name(&order.message), answer));
-                        vehicle.refusals += 1;
+                        vehicle.refusals[number] += 1;
+                        refused = Some((name(&order.message), answer, vehicle.refusals[number]));
                     }
                     vehicle.orders.remove(purpose);
                 }
             }
         }
-        let (target, refusals, mode) = (vehicle.target, vehicle.refusals, vehicle.mode_name());
+        if let Some(setpoint) = vehicle.setpoint.filter(|_| !again.is_empty()) {
+            vehicle.present.command(now.as_secs_f64(), &setpoint);
+        }
+        let (target, mode) = (vehicle.target, vehicle.mode_name());
         let words = vehicle.words_since(now.saturating_sub(Duration::from_secs(3))).map(str::to_owned);
-        if let Some((what, answer)) = refused {
+        if let Some((what, answer, refusals)) = refused {
             // Its mode may have changed: the next heartbeat would tell in a while, this one does now.
             again.push(request_message(target, 0));
             if refusals >= REFUSALS_TOLD {

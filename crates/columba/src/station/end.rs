@@ -123,7 +123,7 @@ impl End {
         if vehicle.on_ground() {
             let disarm = command_long(vehicle.target, MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [0.0; 7]);
             station.order(index, "end", disarm, now);
-            station.tell_once(index, "ended", Weight::Note, "is on the ground: disarmed", now);
+            station.tell_once(index, "ended", Weight::Note, "is on the ground: it is told to disarm", now);
             return true;
         }
         let Some(mode) = driver.end_mode(at_end) else {
@@ -132,7 +132,8 @@ impl End {
             return false;
         };
         if vehicle.custom_mode == mode {
-            let text = format!("is left in {}", vehicle.mode_name());
+            let note = driver.end_note(at_end).map(|note| format!(": {note}")).unwrap_or_default();
+            let text = format!("is left in {}{note}", vehicle.mode_name());
             station.tell_once(index, "ended", Weight::Note, text, now);
             return false;
         }

@@ -11,7 +11,7 @@ use crate::flight::{Row, Tick, Trajectory};
 use crate::identify::flight::StepFlight;
 use controller::{Decision, Flock, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Setpoint, State};
-use mavlink_bridge::kind::AtEnd;
+use mavlink_bridge::kind::{AtEnd, AutopilotKind};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -23,6 +23,8 @@ const GROWTH_S: f64 = 20.0;
 const HEIGHT_APART_M: f64 = 25.0;
 /// A tick within this of its time is on time, s.
 const ON_TIME_S: f64 = 0.05;
+/// Commands that take longer to a vehicle do not hold up the flock, s.
+const LEAD_MAX_S: f64 = 2.0;
 /// A tick that comes this share of the period late is told.
 const LATE_SHARE: f64 = 0.25;
 
@@ -47,6 +49,10 @@ pub struct Fly {
     pub solves: Vec<Duration>,
     /// Whether every tick was flown.
     pub completed: bool,
+    /// Decisions that came late, and the latest of them, s.
+    pub late_ticks: u64,
+    /// By how much the latest decision was late, s.
+    pub worst_late_s: f64,
     flock: Option<Flock>,
     /// What is flown in the place of what the flock would decide.
     steps: Option<StepFlight>,
@@ -71,6 +77,14 @@ impl Fly {
             now.as_secs_f64(),
         );
         let trajectory = Trajectory::new(scenario.starts.len());
+        let dynamics = settings(station);
+        for index in station.crew() {
+            let vehicle = &mut station.vehicles[index];
+            let kind = vehicle.driver().map(|driver| driver.kind());
+            let is_plane = matches!(kind, Some(AutopilotKind::ArduPlane | AutopilotKind::Px4FixedWing));
+            vehicle.present.set_dynamics(&dynamics.dynamics_of(index));
+            vehicle.present.set_holds_ground_speed(!is_plane);
+        }
         station.told.flight_began_s = Some(now.as_secs_f64());
         station.told.tell(now.as_secs_f64(), None, Weight::Note, "the flock flies");
         Ok(Self {
@@ -80,6 +94,8 @@ impl Fly {
             trajectory,
             solves: Vec::new(),
             completed: false,
+            late_ticks: 0,
+            worst_late_s: 0.0,
             flock: None,
             steps: station.settings.steps.clone(),
             members: Vec::new(),
@@ -89,6 +105,11 @@ impl Fly {
             paused: false,
             resuming: false,
         })
+    }
+
+    /// Decisions that were made.
+    pub fn ticks(&self) -> u64 {
+        self.tick
     }
 
     /// Flight time, s.
@@ -163,6 +184,8 @@ impl Fly {
         if late_s > LATE_SHARE * period.as_secs_f64() && self.tick > 0 {
             let text = format!("a decision came {late_s:.2} s late: the machine cannot keep up");
             station.told.once(now.as_secs_f64(), None, "late", Weight::Warning, text);
+            self.late_ticks += 1;
+            self.worst_late_s = self.worst_late_s.max(late_s);
         }
         let members: Vec<usize> = station
             .crew()
@@ -175,11 +198,13 @@ impl Fly {
             self.flock = Flock::new(settings(station), members.len()).ok();
             self.members = members;
         }
-        let states: Vec<State> = self.members.iter().filter_map(|&index| station.state_now(index, now)).collect();
+        let Foreseen { states, margins_m, reference_speeds_mps } = foresee(station, &self.members, now);
         let mut obstacles = station.obstacles();
         obstacles.extend(others(station, &self.members, now));
         let Some(flock) = &mut self.flock else { return };
         flock.set_obstacles(obstacles);
+        flock.set_margins(&margins_m);
+        flock.set_reference_speeds(&reference_speeds_mps);
         let decisions: Vec<Decision> = match (&mut self.steps, states.first()) {
             (Some(steps), Some(first)) => {
                 let setpoint = steps.setpoint(now.saturating_sub(self.began).as_secs_f64(), first);
@@ -363,6 +388,33 @@ fn settings(station: &Station) -> FlockSettings {
     let settings = station.scenario.flock_settings();
     let limited = |dynamics: &Dynamics| Dynamics { limits: station.limits, ..*dynamics };
     FlockSettings { dynamics: settings.dynamics.iter().map(limited).collect(), ..settings }
+}
+
+/// Where the members will be when commands that are sent now act.
+#[derive(Default)]
+struct Foreseen {
+    states: Vec<State>,
+    /// How far off these may be until the next command acts, m.
+    margins_m: Vec<f64>,
+    /// The speeds to which Eq. 2 adds, m/s.
+    reference_speeds_mps: Vec<f64>,
+}
+
+fn foresee(station: &mut Station, members: &[usize], now: Duration) -> Foreseen {
+    let sigmas = station.scenario.controller.look_ahead.margin_sigmas;
+    let period_s = station.scenario.control_period.as_secs_f64();
+    let lead = |&index: &usize| station.vehicles[index].present.acts_after_s();
+    let lead_s = members.iter().map(lead).fold(0.0, f64::max).min(LEAD_MAX_S);
+    let mut foreseen = Foreseen::default();
+    for &index in members {
+        // A member was heard a moment ago: there is always an estimate.
+        if let Some(estimate) = station.vehicles[index].present.foresee(now.as_secs_f64() + lead_s) {
+            foreseen.states.push(estimate.state);
+            foreseen.margins_m.push(sigmas * estimate.position_std_after_m(period_s));
+            foreseen.reference_speeds_mps.push(estimate.reference_speed_mps);
+        }
+    }
+    foreseen
 }
 
 /// Vehicles in the air that are no members, as circles that the flock keeps out of: along their way over the look-ahead

@@ -2,11 +2,13 @@
 //! speed.
 //!
 //! Each vehicle has a height of its own and a lane of its own: the line through its start along the expected course. It
-//! flies to the outbound leg beside its lane, follows that away from the start, turns, and comes back along its lane.
-//! Who would be early flies further out: each second further out is two seconds later at the start. On the lanes, side
-//! by side, all change to the flock's height. Nobody crosses anybody's height before that, nor anybody's lane after.
+//! flies to the outbound leg beside its lane, and circles there while others have not taken off yet ([`Gather::hold`]).
+//! It follows the outbound leg away from the start, turns, and comes back along its lane. A vehicle that would be early
+//! flies further out: each second further out is two seconds later at the start. On the lanes, side by side, all change
+//! to the flock's height. No vehicle crosses another one's height before that, nor another one's lane after.
 //!
-//! Sans-I/O and without memory of messages: states in, setpoints out. Vehicles that hover fly the same way.
+//! Sans-I/O and without memory of messages: states in, setpoints out. Vehicles that hover fly the same way, but climb
+//! straight up.
 
 use super::track::distance_m;
 use controller::{Expected, Obstacle};
@@ -42,6 +44,8 @@ pub enum Leg {
     Climb,
     /// To the outbound leg.
     Approach,
+    /// In a circle at the beginning of the outbound leg, until all have taken off.
+    Hold,
     /// Away from its start, beside its lane.
     Outbound,
     /// Turning, and back along its lane.
@@ -57,6 +61,8 @@ struct Part {
     on_lane: bool,
     /// The course on which it climbs.
     climb_rad: Option<f64>,
+    /// Whether it climbs straight up.
+    hovers: bool,
     /// Whether it takes no part any more.
     gone: bool,
 }
@@ -74,6 +80,8 @@ pub struct Gather {
     /// When all are to be at their starts, s; none before all are on their outbound legs.
     arrival_s: Option<f64>,
     settling: bool,
+    /// Whether nobody leaves for the outbound leg.
+    holds: bool,
 }
 
 impl Gather {
@@ -98,6 +106,7 @@ impl Gather {
                 leg: Leg::Climb,
                 on_lane: false,
                 climb_rad: None,
+                hovers: false,
                 gone: false,
             })
             .collect();
@@ -113,7 +122,21 @@ impl Gather {
             parts,
             arrival_s: None,
             settling: false,
+            holds: false,
         }
+    }
+
+    /// Which vehicles can stand in the air: these climb straight up.
+    pub fn with_hovering(mut self, hovers: impl Fn(usize) -> bool) -> Self {
+        for (index, part) in self.parts.iter_mut().enumerate() {
+            part.hovers = hovers(index);
+        }
+        self
+    }
+
+    /// Whether vehicles circle where the outbound leg begins, and wait there for those that are still on the ground.
+    pub fn hold(&mut self, holds: bool) {
+        self.holds = holds;
     }
 
     /// The height of a vehicle, m above the scenario's origin.
@@ -204,6 +227,14 @@ impl Gather {
         right_m.abs() < LANE_M && wrap_pi(state.course_rad - self.expected.course_rad).abs() < LANE_RAD
     }
 
+    /// Where the outbound leg of a vehicle begins.
+    fn outbound_begin_m(&self, index: usize) -> (f64, f64) {
+        let start = &self.parts[index].start;
+        let (sin, cos) = libm::sincos(self.expected.course_rad);
+        let (back_m, right_m) = (-0.5 * self.lead_m, self.outbound_m());
+        (start.x_m + back_m * cos - right_m * sin, start.y_m + back_m * sin + right_m * cos)
+    }
+
     /// The lateral place of the outbound leg: one turn beside the lane.
     fn outbound_m(&self) -> f64 {
         2.0 * self.turn_radius_m
@@ -223,7 +254,7 @@ impl Gather {
     fn advance(&mut self, index: usize, state: &State, is_apart: bool) {
         let (along_m, right_m) = self.lane(index, state);
         let (outbound_m, lead_m, radius_m) = (self.outbound_m(), self.lead_m, self.turn_radius_m);
-        let on_lane = self.is_on_lane(index, state);
+        let (on_lane, holds) = (self.is_on_lane(index, state), self.holds);
         let part = &mut self.parts[index];
         part.climb_rad.get_or_insert(state.course_rad);
         match part.leg {
@@ -232,9 +263,10 @@ impl Gather {
                 let is_there =
                     (along_m + 0.5 * lead_m).abs() < 0.45 * lead_m && (right_m - outbound_m).abs() < 1.5 * radius_m;
                 if is_there || (along_m < -lead_m && (right_m - outbound_m).abs() < 3.0 * radius_m) {
-                    part.leg = Leg::Outbound;
+                    part.leg = if holds { Leg::Hold } else { Leg::Outbound };
                 }
             }
+            Leg::Hold if !holds => part.leg = Leg::Outbound,
             Leg::Inbound => part.on_lane |= on_lane,
             _ => {}
         }
@@ -284,15 +316,22 @@ impl Gather {
         let altitude_m = if self.settling { self.expected.altitude_m } else { part.layer_m };
         let hold = Setpoint { speed_mps: self.speed_mps, course_rad: course, altitude_m };
         match part.leg {
+            Leg::Climb if part.hovers => {
+                Setpoint { speed_mps: 0.0, course_rad: part.climb_rad.unwrap_or(state.course_rad), ..hold }
+            }
             Leg::Climb if self.is_free_ahead(state, part.climb_rad) => {
                 Setpoint { course_rad: part.climb_rad.unwrap_or(state.course_rad), ..hold }
             }
             Leg::Climb | Leg::Approach => {
-                let (sin, cos) = libm::sincos(course);
-                let (back_m, right_m) = (-0.5 * self.lead_m, self.outbound_m());
-                let wanted =
-                    (part.start.x_m + back_m * cos - right_m * sin, part.start.y_m + back_m * sin + right_m * cos);
-                Setpoint { course_rad: self.way_to(state, wanted), ..hold }
+                Setpoint { course_rad: self.way_to(state, self.outbound_begin_m(index)), ..hold }
+            }
+            Leg::Hold => {
+                let (x_m, y_m) = self.outbound_begin_m(index);
+                let (dx, dy) = (x_m - state.x_m, y_m - state.y_m);
+                // Clockwise round it: abeam on the circle, more inward outside of it.
+                let outside = libm::hypot(dx, dy) / self.turn_radius_m - 1.0;
+                let course_rad = wrap_pi(libm::atan2(dy, dx) - FRAC_PI_2 + outside.clamp(-1.0, 1.0));
+                Setpoint { course_rad, ..hold }
             }
             Leg::Outbound => {
                 // Seen along the outbound leg, which runs the other way, right is left.
@@ -487,6 +526,44 @@ mod tests {
             .collect();
         let (_, _, clearance_m, _) = gathered(&starts, states, &obstacles).expect("gathered");
         assert!(clearance_m > 0.0, "{clearance_m}");
+    }
+
+    #[test]
+    fn while_one_is_on_the_ground_the_others_circle_near_home() {
+        let dynamics = dynamics();
+        let autopilot = Autopilot::new(&dynamics, 0.1);
+        let mut gather = Gather::new(&starts(3), EXPECTED, &[], &dynamics.limits);
+        gather.hold(true);
+        let home = |k: usize| State { y_m: 60.0 * k as f64, altitude_m: 45.0, speed_mps: 20.0, ..State::default() };
+        let mut states = vec![Some(home(0)), Some(home(1)), None];
+        let fly = |gather: &mut Gather, states: &mut Vec<Option<State>>, steps: std::ops::Range<u32>| {
+            let mut farthest_m: f64 = 0.0;
+            for step in steps {
+                let setpoints = gather.step(states, 0.1 * f64::from(step));
+                for (state, setpoint) in states.iter_mut().zip(setpoints) {
+                    *state = state.map(|state| autopilot.step(&state, &setpoint.unwrap()));
+                    farthest_m = state.map_or(farthest_m, |state| farthest_m.max(libm::hypot(state.x_m, state.y_m)));
+                }
+                if gather.is_complete(states) {
+                    return (farthest_m, true);
+                }
+            }
+            (farthest_m, false)
+        };
+        let (farthest_m, is_complete) = fly(&mut gather, &mut states, 0..2400);
+        assert!(!is_complete && farthest_m < 800.0, "{farthest_m}");
+        assert_eq!([gather.leg(0), gather.leg(1)], [Leg::Hold; 2]);
+        states[2] = Some(home(2));
+        gather.hold(false);
+        assert!(fly(&mut gather, &mut states, 2400..6000).1);
+    }
+
+    #[test]
+    fn a_vehicle_that_hovers_climbs_straight_up() {
+        let mut gather = Gather::new(&starts(2), EXPECTED, &[], &dynamics().limits).with_hovering(|_| true);
+        let ground = |y_m: f64| Some(State { y_m, altitude_m: 10.0, speed_mps: 0.2, ..State::default() });
+        let setpoints = gather.step(&[ground(0.0), ground(20.0)], 0.0);
+        assert!(setpoints.iter().flatten().all(|setpoint| setpoint.speed_mps == 0.0));
     }
 
     #[test]

@@ -40,7 +40,7 @@ use operator::Verb;
 use std::collections::BTreeSet;
 use std::time::Duration;
 use told::{Told, Weight};
-use vehicle::{Order, Route, RouteState, Vehicle};
+use vehicle::{Order, Route, Trust, Vehicle};
 
 /// MAVLink ids of a ground station (MAV_COMP_ID_MISSIONPLANNER), as autopilots expect them.
 pub const GROUND: (u8, u8) = (255, 190);
@@ -246,25 +246,28 @@ impl Station {
         }
         let Some(index) = self.recognise(&header, &message, now) else { return };
         let local_frame = self.frame;
+        let is_flying = !matches!(self.phase, Phase::Connect(_) | Phase::Preflight(_));
         let Some(vehicle) = self.vehicles.get_mut(index) else { return };
         if header.component_id != vehicle.target.component_id {
             return; // a camera, a gimbal, a companion computer
         }
         let was = (vehicle.armed, vehicle.custom_mode);
-        let state = vehicle.routes.entry(route).or_insert(RouteState { heard: now, round_trip: None });
-        state.heard = now;
+        if !vehicle.owns(&message, route, is_flying, now) {
+            let text = "another autopilot speaks with its system id, by another way: nothing of that is taken";
+            if vehicle.routes.get(&route).is_some_and(|state| state.trust == Trust::Other) {
+                self.tell_once(index, "doubled", Weight::Warning, text, now);
+            }
+            return;
+        }
+        vehicle.streams.entry(header.message_id).or_default().heard += 1;
         match &message {
             Message::TIMESYNC(data) => {
                 if let Some(trip) = telemetry::round_trip(data, now) {
-                    state.round_trip = Some(trip);
+                    if let Some(state) = vehicle.routes.get_mut(&route) {
+                        state.round_trip = Some(trip);
+                    }
                     vehicle.clock.round_trip(trip, now);
                 }
-            }
-            Message::GLOBAL_POSITION_INT(data) => {
-                if vehicle.contradicts_another_way(data, route, now) {
-                    vehicle.is_doubled = true;
-                }
-                vehicle.hear(&message, now, &local_frame);
             }
             message => {
                 vehicle.hear(message, now, &local_frame);
@@ -283,12 +286,16 @@ impl Station {
         }
     }
 
-    /// Counts a frame of a system, and those that are missing before it.
-    pub fn count(&mut self, system_id: u8, missing: u64) {
-        if let Some(vehicle) = self.vehicles.iter_mut().find(|vehicle| vehicle.id() == system_id) {
-            vehicle.frames[0] += missing;
-            vehicle.frames[1] += 1;
-        }
+    /// Counts a frame of a vehicle's autopilot, and those that are missing before it. False for any other sender:
+    /// routers pass on only a part of what others say, so that gaps in their numbers are no losses.
+    pub fn count(&mut self, header: &Header, missing: u64) -> bool {
+        let is_sender = |vehicle: &&mut Vehicle| {
+            (vehicle.id(), vehicle.target.component_id) == (header.system_id, header.component_id)
+        };
+        let Some(vehicle) = self.vehicles.iter_mut().find(is_sender) else { return false };
+        vehicle.frames[0] += missing;
+        vehicle.frames[1] += 1;
+        true
     }
 
     /// Does what is due; call it every few hundredths of a second.
@@ -403,6 +410,11 @@ impl Station {
             let position_hz = telemetry::position_hz(capacity, sharing);
             let messages = telemetry::ask(&mut self.vehicles[index], position_hz, capacity.is_some(), now);
             if !messages.is_empty() {
+                if capacity.is_some() {
+                    let vehicle = self.vehicles[index].slot.map(number);
+                    let text = "its link is slow: streams that are not needed are silenced";
+                    self.told.once(now.as_secs_f64(), vehicle, "silenced", Weight::Note, text);
+                }
                 if position_hz < telemetry::POSITION_HZ {
                     let vehicle = self.vehicles[index].slot.map(number);
                     let text = format!("positions at {position_hz:.1} Hz: that is what its link carries");
@@ -463,18 +475,25 @@ impl Station {
         (age_s <= STALE_S).then_some(state)
     }
 
+    /// The airspeed that a speed over ground needs, with wind and thin air, and the nearest one that the vehicle takes,
+    /// m/s.
+    fn airspeeds_mps(&self, index: usize, speed_mps: f64) -> (f64, f64) {
+        let Some(vehicle) = self.vehicles.get(index) else { return (speed_mps, speed_mps) };
+        let asked_mps = speed_mps + vehicle.airspeed_excess_mps;
+        let limits = vehicle.limits.unwrap_or_default();
+        match (limits.speed_min_mps, limits.speed_max_mps) {
+            (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
+                (asked_mps, asked_mps.clamp(least, greatest))
+            }
+            _ => (asked_mps, asked_mps),
+        }
+    }
+
     /// The messages that ask a vehicle for a setpoint, by its kind's encoder.
     pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
         let vehicle = self.vehicles.get(index)?;
-        // Wind and thin air, but never an airspeed that the vehicle refuses.
-        let asked_mps = setpoint.speed_mps + vehicle.airspeed_excess_mps;
-        let limits = vehicle.limits.unwrap_or_default();
-        let airspeed_mps = match (limits.speed_min_mps, limits.speed_max_mps) {
-            (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
-                asked_mps.clamp(least, greatest)
-            }
-            _ => asked_mps,
-        };
+        let setpoint = &Setpoint { speed_mps: setpoint.speed_mps - vehicle.present.speed_bias_mps(), ..*setpoint };
+        let (_, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
         let situation = Situation {
             state: self.state_now(index, now)?,
             frame: &self.frame,

@@ -24,6 +24,7 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
     let verdict = fly.as_ref().map(|fly| fly.judge.verdict()).unwrap_or_default();
     let grounds = fly.as_ref().map(|fly| fly.judge.grounds());
     let completed = fly.as_ref().is_some_and(|fly| fly.completed);
+    let timing = fly.as_ref().map(|fly| (fly.ticks(), fly.late_ticks, fly.worst_late_s));
     let (mut solves, trajectory) = match fly {
         Some(fly) => (fly.solves, fly.trajectory),
         None => (Vec::new(), on_the_spot(&station)),
@@ -69,6 +70,9 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
         wall_s: now_s,
         real_time_factor: if now_s > 0.0 { duration_s / now_s } else { 0.0 },
         link: links,
+        present: timing.map_or(serde_json::Value::Null, |(ticks, late_ticks, worst_late_s)| {
+            present(&station, ticks, late_ticks, worst_late_s)
+        }),
         station: json!({
             "events": station.told.events(),
             "vehicles": vehicles(&station, &unseen),
@@ -145,6 +149,27 @@ fn vehicles(station: &Station, unseen: &[f64]) -> Vec<serde_json::Value> {
         })
     };
     station.crew().map(describe).collect()
+}
+
+/// What was known of the present: the same names as of a flight by `columba run`.
+fn present(station: &Station, ticks: u64, late_ticks: u64, worst_late_s: f64) -> serde_json::Value {
+    let describe = |index: usize| {
+        let (clock, present) = (&station.vehicles[index].clock, &station.vehicles[index].present);
+        let foreseen = present.foreseen_error_m();
+        let jitter_s = clock.jitter_s().unwrap_or(0.0);
+        json!({
+            "vehicle": number(index),
+            "telemetry_delay_s": clock.delay_s().map(|least_s| least_s + jitter_s),
+            "command_delay_s": clock.command_delay_s(),
+            "delay_spread_s": clock.delay_spread_s(),
+            "clock_drift": clock.drift(),
+            "foreseen_error_along_m": foreseen.map(|[along_m, _]| along_m),
+            "foreseen_error_across_m": foreseen.map(|[_, across_m]| across_m),
+            "speed_bias_mps": present.speed_bias_mps(),
+        })
+    };
+    let vehicles: Vec<serde_json::Value> = station.crew().map(describe).collect();
+    json!({ "ticks": ticks, "late_ticks": late_ticks, "worst_late_s": worst_late_s, "vehicles": vehicles })
 }
 
 /// A flight that did not begin: one tick, with where the vehicles stand.

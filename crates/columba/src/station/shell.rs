@@ -80,7 +80,8 @@ pub async fn run(mut station: Station, around: Surroundings, folder: &Path, mut 
 struct Shell {
     links: Links,
     connections: Vec<Connection>,
-    signing: Vec<Option<Signing>>,
+    signing: Option<Signing>,
+    rejected: Vec<Rejected>,
     speed: f64,
     quiet: bool,
     view: Option<StationView>,
@@ -100,14 +101,12 @@ impl Shell {
     fn new(around: Surroundings, recording: Recording) -> Self {
         let Surroundings { links, connections, key, speed, quiet, view } = around;
         let now = unix();
-        let signing = (0..connections.len())
-            .map(|link| key.clone().map(|key| Signing::new(key, link as u8, signing_time(now))))
-            .collect();
         Self {
             counters: vec![Counters::default(); connections.len()],
             links,
+            rejected: vec![Rejected::default(); connections.len()],
             connections,
-            signing,
+            signing: key.map(|key| Signing::new(key, signing_time(now))),
             speed,
             quiet,
             view,
@@ -131,9 +130,8 @@ impl Shell {
         let open: Vec<String> = self
             .connections
             .iter()
-            .zip(&self.signing)
-            .filter(|(connection, signing)| signing.is_none() && !connection.is_loopback())
-            .map(|(connection, _)| connection.to_string())
+            .filter(|connection| self.signing.is_none() && !connection.is_loopback())
+            .map(ToString::to_string)
             .collect();
         if !open.is_empty() {
             let text = format!(
@@ -176,21 +174,27 @@ impl Shell {
         let signed_at = signing_time(unix());
         let framer = self.framers.entry(route).or_default();
         let sequence = self.sequences.entry(route).or_default();
-        let signing = self.signing.get_mut(arrival.link).and_then(Option::as_mut);
-        let (Some(counters), recording) = (self.counters.get_mut(arrival.link), &self.recording) else { return };
-        let mut signing = signing;
+        let (Some(counters), Some(rejected)) =
+            (self.counters.get_mut(arrival.link), self.rejected.get_mut(arrival.link))
+        else {
+            return;
+        };
+        let (recording, mut signing) = (&self.recording, self.signing.as_mut());
         let mut lost = Counters::default();
         let take = |found: mavlink_bridge::link::Found<'_>| {
             let frame = found.frame();
             if let Some(signing) = signing.as_deref_mut()
-                && signing.verify(&frame, signed_at).is_err()
+                && let Err(rejection) = signing.verify(&frame, signed_at)
             {
+                rejected.count(rejection);
                 return;
             }
             recording.frame(at_us, frame.bytes);
             let before = lost.lost;
             sequence.observe(&frame, &mut lost);
-            station.count(frame.header.system_id, lost.lost - before);
+            if !station.count(&frame.header, lost.lost - before) {
+                lost.lost = before;
+            }
             if matches!(found, mavlink_bridge::link::Found::Verified(_)) {
                 station.hear(&frame, route, now);
             }
@@ -214,9 +218,9 @@ impl Shell {
             for message in &outgoing.messages {
                 let mut frame = Vec::new();
                 encoder.encode(message, &mut frame);
-                if let Some(signing) = self.signing.get_mut(link).and_then(Option::as_mut) {
+                if let Some(signing) = &mut self.signing {
                     let mut signed = Vec::new();
-                    signing.sign(&frame, signing_time(unix()), &mut signed);
+                    signing.sign(link as u8, &frame, signing_time(unix()), &mut signed);
                     frame = signed;
                 }
                 self.recording.frame(at_us, &frame);
@@ -280,29 +284,31 @@ impl Shell {
         self.give(&mut station);
         self.erase();
         let wall = self.started.elapsed();
+        for (link, counters) in self.counters.iter_mut().enumerate() {
+            *counters += self.links.socket_counters(link);
+        }
         let total: Counters = self.counters.iter().copied().sum();
         let mut links = serde_json::to_value(total).unwrap_or_default();
+        let is_signed = self.signing.is_some();
         let each: Vec<serde_json::Value> = self
             .connections
             .iter()
             .enumerate()
             .map(|(link, connection)| {
-                let rejected = self.signing.get(link).and_then(Option::as_ref).map(Signing::rejected);
                 json!({
                     "link": connection.to_string(),
                     "counters": self.counters.get(link),
                     "overflows": self.links.overflows(link),
-                    "signed": rejected.is_some(),
-                    "rejected": rejected,
+                    "signed": is_signed,
+                    "rejected": self.rejected.get(link).filter(|_| is_signed),
                 })
             })
             .collect();
-        let rejected =
-            self.signing.iter().flatten().map(Signing::rejected).fold(Rejected::default(), |all, one| Rejected {
-                unsigned: all.unsigned + one.unsigned,
-                forged: all.forged + one.forged,
-                replayed: all.replayed + one.replayed,
-            });
+        let rejected = self.rejected.iter().fold(Rejected::default(), |all, one| Rejected {
+            unsigned: all.unsigned + one.unsigned,
+            forged: all.forged + one.forged,
+            replayed: all.replayed + one.replayed,
+        });
         if let Some(object) = links.as_object_mut() {
             object.insert("links".to_owned(), json!(each));
             object.insert("rejected".to_owned(), json!(rejected));

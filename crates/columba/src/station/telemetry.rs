@@ -30,9 +30,22 @@ const HOME_POSITION: u32 = 242;
 const EXTENDED_SYS_STATE: u32 = 245;
 const CURRENT_MODE: u32 = 436;
 
-/// Streams that autopilots send unasked and the station does not need: silenced on a link that is slow.
-const NOT_NEEDED: [u32; 24] =
-    [2, 24, 27, 29, 30, 36, 42, 62, 65, 74, 87, 105, 116, 125, 129, 136, 137, 147, 152, 163, 168, 178, 193, 241];
+/// What answers or announces something, and is never silenced: HEARTBEAT, PARAM_VALUE, COMMAND_ACK, TIMESYNC,
+/// STATUSTEXT and others of that kind.
+const KEPT: [u32; 13] = [HEARTBEAT, 8, 22, 44, 47, 51, 73, 77, 110, 111, 253, AUTOPILOT_VERSION, GLOBAL_POSITION_INT];
+/// A message that came so often is a stream.
+const STREAM_HEARD: u32 = 5;
+/// A stream is silenced so often; an autopilot that goes on does not know how to stop it.
+const SILENCE_TRIES: u32 = 3;
+
+/// One kind of message of a vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stream {
+    /// How often it came since it was last silenced.
+    pub heard: u32,
+    /// How often it was silenced.
+    pub silenced: u32,
+}
 
 /// The rate of positions that a link carries for each of so many vehicles, Hz.
 pub fn position_hz(capacity_bytes_per_s: Option<f64>, vehicles: usize) -> f64 {
@@ -59,19 +72,10 @@ pub fn ask(vehicle: &mut Vehicle, position_hz: f64, is_slow: bool, now: Duration
     }
     // What is good to have is asked for three times; an autopilot that does not have it has said so.
     if times < 3 {
-        let mut streams = vec![(EXTENDED_SYS_STATE, 2.0), (SYS_STATUS, 1.0)];
-        match kind {
-            AutopilotKind::ArduPlane => streams.extend([(HEARTBEAT, 4.0), (VFR_HUD, 4.0)]),
-            AutopilotKind::ArduCopter => streams.extend([(HEARTBEAT, 4.0)]),
-            AutopilotKind::Px4FixedWing => streams.extend([(VFR_HUD, 4.0), (CURRENT_MODE, 4.0)]),
-            AutopilotKind::Px4Multicopter => streams.extend([(LOCAL_POSITION_NED, 4.0), (CURRENT_MODE, 4.0)]),
-            AutopilotKind::Columba => streams.extend([(LOCAL_POSITION_NED, 4.0)]),
-        }
-        if is_slow {
-            let silenced = NOT_NEEDED.iter().filter(|id| !streams.iter().any(|(stream, _)| stream == *id));
-            wanted.extend(silenced.map(|&id| set_message_interval(target, id, -1e6)));
-        }
-        wanted.extend(streams.into_iter().map(|(id, hz)| set_message_interval(target, id, hz)));
+        wanted.extend(streams(kind).into_iter().map(|(id, hz)| set_message_interval(target, id, hz)));
+    }
+    if is_slow {
+        wanted.extend(silence(vehicle, kind));
     }
     if vehicle.version.is_none() && times < 5 {
         wanted.push(request_message(target, AUTOPILOT_VERSION));
@@ -87,6 +91,34 @@ pub fn ask(vehicle: &mut Vehicle, position_hz: f64, is_slow: bool, now: Duration
         vehicle.asked = Some((now, times + 1));
     }
     wanted
+}
+
+/// The streams that are good to have of a kind, beside positions, and their rates, Hz.
+fn streams(kind: AutopilotKind) -> Vec<(u32, f64)> {
+    let mut streams = vec![(EXTENDED_SYS_STATE, 2.0), (SYS_STATUS, 1.0)];
+    match kind {
+        AutopilotKind::ArduPlane => streams.extend([(HEARTBEAT, 4.0), (VFR_HUD, 4.0)]),
+        AutopilotKind::ArduCopter => streams.extend([(HEARTBEAT, 4.0)]),
+        AutopilotKind::Px4FixedWing => streams.extend([(VFR_HUD, 4.0), (CURRENT_MODE, 4.0)]),
+        AutopilotKind::Px4Multicopter => streams.extend([(LOCAL_POSITION_NED, 4.0), (CURRENT_MODE, 4.0)]),
+        AutopilotKind::Columba => streams.extend([(LOCAL_POSITION_NED, 4.0)]),
+    }
+    streams
+}
+
+/// Silences the streams that come and are not needed, for a link that is slow.
+fn silence(vehicle: &mut Vehicle, kind: AutopilotKind) -> Vec<Message> {
+    let needed = streams(kind);
+    let target = vehicle.target;
+    let mut silenced = Vec::new();
+    for (&id, stream) in &mut vehicle.streams {
+        let is_needed = KEPT.contains(&id) || needed.iter().any(|(stream, _)| *stream == id);
+        if !is_needed && stream.heard >= STREAM_HEARD && stream.silenced < SILENCE_TRIES {
+            *stream = Stream { heard: 0, silenced: stream.silenced + 1 };
+            silenced.push(set_message_interval(target, id, -1e6));
+        }
+    }
+    silenced
 }
 
 /// Reads the parameters that limit the vehicle, a few times; what does not come it does not have.
@@ -137,6 +169,24 @@ pub fn round_trip(data: &TIMESYNC_DATA, now: Duration) -> Option<Duration> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn on_a_slow_line_what_comes_and_is_not_needed_is_silenced_a_few_times() {
+        const ATTITUDE: u32 = 30;
+        let mut vehicle = Vehicle::new(1, 1);
+        let mut sent = 0;
+        for _ in 0..100 {
+            for id in [HEARTBEAT, ATTITUDE, GLOBAL_POSITION_INT, EXTENDED_SYS_STATE] {
+                vehicle.streams.entry(id).or_default().heard += 1;
+            }
+            let silenced = silence(&mut vehicle, AutopilotKind::ArduPlane);
+            assert!(silenced.iter().all(|message| *message == set_message_interval(vehicle.target, ATTITUDE, -1e6)));
+            sent += silenced.len() as u32;
+        }
+        assert_eq!(sent, SILENCE_TRIES);
+        let Message::COMMAND_LONG(command) = set_message_interval(vehicle.target, ATTITUDE, -1e6) else { panic!() };
+        assert_eq!(command.param2, -1.0);
+    }
 
     #[test]
     fn a_slow_line_gets_the_rate_that_it_carries() {

@@ -1,7 +1,9 @@
 //! One autopilot as the station hears it.
 
+use super::telemetry::Stream;
 use super::track::{Sample, Track};
-use flight_model::{Geodetic, LocalFrame, State, wrap_pi};
+use controller::Present;
+use flight_model::{Dynamics, Geodetic, LocalFrame, State, wrap_pi};
 use mavlink_bridge::Target;
 use mavlink_bridge::dialect::{
     AUTOPILOT_VERSION_DATA, COMMAND_ACK_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA,
@@ -27,8 +29,21 @@ pub struct Route {
 pub struct RouteState {
     /// When a frame of the vehicle last came by it.
     pub heard: Duration,
+    /// Whether what comes by it is taken for the vehicle's own.
+    pub trust: Trust,
     /// The last round trip by it.
     pub round_trip: Option<Duration>,
+}
+
+/// Whether a route leads to the vehicle, or to another autopilot with the same system id.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trust {
+    /// It is the vehicle's: it was there before the take-off, or its positions are the vehicle's.
+    Own,
+    /// It is new in flight: nothing by it is taken before its positions have shown whose it is.
+    New,
+    /// Another autopilot's, by its positions: nothing by it is taken.
+    Other,
 }
 
 /// An order that was given and is not answered yet.
@@ -85,6 +100,8 @@ pub struct Vehicle {
     pub track: Track,
     /// Which time its stamps mean.
     pub clock: VehicleClock,
+    /// Where it is, and will be when a command acts.
+    pub present: Present,
     /// Its home.
     pub home: Option<Geodetic>,
     /// GPS_GLOBAL_ORIGIN.
@@ -110,6 +127,8 @@ pub struct Vehicle {
     pub parameters: BTreeMap<String, Option<f64>>,
     /// Orders by their purpose.
     pub orders: BTreeMap<&'static str, Order>,
+    /// What comes of it, by message id.
+    pub streams: BTreeMap<u32, Stream>,
     /// When telemetry was last asked for, and how often.
     pub asked: Option<(Duration, u32)>,
     /// Limits that its parameters set, once they are read.
@@ -118,8 +137,8 @@ pub struct Vehicle {
     pub entered: bool,
     held: Option<Duration>,
     mode_heard: Option<Duration>,
-    /// How often in a row it has refused a setpoint.
-    pub refusals: u32,
+    /// How often in a row it has refused each command of a setpoint.
+    pub refusals: [u32; 3],
     /// Why it is flown no more; it is a neighbour to be avoided then.
     pub released: Option<String>,
     /// Whether the operator keeps it out.
@@ -155,6 +174,7 @@ impl Vehicle {
             height_m: 0.0,
             track: Track::default(),
             clock: VehicleClock::default(),
+            present: Present::new(&Dynamics::default()),
             home: None,
             origin: None,
             local_origin_amsl_m: None,
@@ -168,12 +188,13 @@ impl Vehicle {
             texts: VecDeque::new(),
             parameters: BTreeMap::new(),
             orders: BTreeMap::new(),
+            streams: BTreeMap::new(),
             asked: None,
             limits: None,
             entered: false,
             held: None,
             mode_heard: None,
-            refusals: 0,
+            refusals: [0; 3],
             released: None,
             dropped: false,
             dropped_to: AtEnd::Loiter,
@@ -256,7 +277,35 @@ impl Vehicle {
 
     /// The freshest way to it.
     pub fn route(&self) -> Option<Route> {
-        self.routes.iter().max_by_key(|(_, state)| state.heard).map(|(route, _)| *route)
+        let own = self.routes.iter().filter(|(_, state)| state.trust == Trust::Own);
+        own.max_by_key(|(_, state)| state.heard).map(|(route, _)| *route)
+    }
+
+    /// Whether a message that came by a route is the vehicle's own. A second autopilot with the same system id that
+    /// comes up in flight is none of the vehicle: neither its positions nor its modes count. Before the take-off that
+    /// is a fault (`is_doubled`).
+    pub fn owns(&mut self, message: &Message, route: Route, is_flying: bool, now: Duration) -> bool {
+        const SILENT: Duration = Duration::from_millis(1500);
+        let speaks = self.routes.iter().any(|(other, state)| {
+            *other != route && state.trust == Trust::Own && now.saturating_sub(state.heard) < SILENT
+        });
+        // A vehicle that is heard by no other way has a new address, and is itself.
+        let first = if is_flying && speaks { Trust::New } else { Trust::Own };
+        let state = self.routes.entry(route).or_insert(RouteState { heard: now, trust: first, round_trip: None });
+        state.heard = now;
+        let mut trust = if speaks || state.trust == Trust::Other { state.trust } else { Trust::Own };
+        if let Message::GLOBAL_POSITION_INT(data) = message {
+            match (self.contradicts_another_way(data, route, now), is_flying) {
+                (true, false) => self.is_doubled = true,
+                (true, true) if trust == Trust::New => trust = Trust::Other,
+                (false, _) if trust == Trust::New => trust = Trust::Own,
+                _ => {}
+            }
+        }
+        if let Some(state) = self.routes.get_mut(&route) {
+            state.trust = trust;
+        }
+        trust == Trust::Own
     }
 
     /// Age of its last position, s.
@@ -276,6 +325,11 @@ impl Vehicle {
             Message::CURRENT_MODE(data) => self.hear_mode(data.custom_mode, now),
             Message::AUTOPILOT_VERSION(data) => self.hear_version(data),
             Message::GLOBAL_POSITION_INT(data) => return self.hear_global(data, now, frame),
+            Message::ATTITUDE(data) => {
+                if let Some(at_s) = self.flown_at_s(data.time_boot_ms, now) {
+                    self.present.hear_heading(at_s, f64::from(data.yaw));
+                }
+            }
             Message::LOCAL_POSITION_NED(data) => self.hear_local(data),
             Message::EXTENDED_SYS_STATE(EXTENDED_SYS_STATE_DATA { landed_state, .. }) => {
                 self.landed_state = Some(*landed_state);
@@ -324,11 +378,7 @@ impl Vehicle {
         if data.lat.abs() < 10_000 && data.lon.abs() < 10_000 {
             return false;
         }
-        let reboots = self.clock.reboots();
-        self.clock.hear(data.time_boot_ms, now);
-        if self.clock.reboots() != reboots {
-            self.track.clear();
-        }
+        let at_s = self.flown_at_s(data.time_boot_ms, now);
         self.height_m = f64::from(data.relative_alt) * 1e-3;
         if let Some((stamp, [_, _, down_m])) = self.local
             && data.time_boot_ms.abs_diff(stamp) <= 250
@@ -337,13 +387,27 @@ impl Vehicle {
             self.local_origin_amsl_m = Some(f64::from(data.alt) * 1e-3 + down_m);
         }
         self.global = Some(data.clone());
-        let Some(at_s) = self.clock.ground_time_s(data.time_boot_ms) else { return false };
-        self.track.push(Sample { at_s, state: state(data, frame) })
+        let Some(at_s) = at_s else { return false };
+        let state = state(data, frame);
+        self.present.set_command_delay_s(self.clock.command_delay_s().unwrap_or(0.0));
+        self.present.hear(at_s, &state);
+        self.track.push(Sample { at_s, state })
+    }
+
+    /// The ground's time at which a stamp of the vehicle was put on, s.
+    fn flown_at_s(&mut self, boot_ms: u32, now: Duration) -> Option<f64> {
+        let reboots = self.clock.reboots();
+        self.clock.hear(boot_ms, now);
+        if self.clock.reboots() != reboots {
+            self.track.clear();
+            self.present.clear();
+        }
+        self.clock.ground_time_s(boot_ms)
     }
 
     /// Whether a position by one route contradicts the last one by another: two autopilots speak with one system id
     /// then.
-    pub fn contradicts_another_way(&mut self, data: &GLOBAL_POSITION_INT_DATA, route: Route, now: Duration) -> bool {
+    fn contradicts_another_way(&mut self, data: &GLOBAL_POSITION_INT_DATA, route: Route, now: Duration) -> bool {
         let before = self.global_came.replace((route, now));
         let (Some(last), Some((other, heard))) = (&self.global, before) else { return false };
         let since_s = now.saturating_sub(heard).as_secs_f64();

@@ -50,6 +50,10 @@ pub struct Scene<'a> {
     pub detected: bool,
     /// The neighbours' forecast, neighbour-major: `1 + 2 * steps` passages each, half a control period apart.
     pub neighbours: &'a [Passage],
+    /// What is not known of where the vehicle is, m, and of where each of these neighbours is: added to the distances
+    /// that the constraints want. Empty where everything is known.
+    pub margin_m: f64,
+    pub neighbour_margins_m: &'a [f64],
 }
 
 /// The choice of weights as an optimisation problem: the objectives are Eq. 11 and 12, the violation that of the two
@@ -166,8 +170,9 @@ impl LookAhead {
     fn keep_clear(&self, scene: &Scene<'_>, k: usize, before: &Extent, here: &Extent, rollout: &mut Rollout) {
         let half_way = rollout.extent_half_way();
         let (first, second) = (before.and(&half_way), half_way.and(here));
-        let wanted_m = self.separation_m;
-        for passages in scene.neighbours.chunks_exact(1 + 2 * self.steps) {
+        for (index, passages) in scene.neighbours.chunks_exact(1 + 2 * self.steps).enumerate() {
+            let theirs_m = scene.neighbour_margins_m.get(index).copied().unwrap_or(0.0);
+            let wanted_m = self.separation_m + (scene.margin_m + theirs_m);
             let [start, middle, end] = [2 * k - 2, 2 * k - 1, 2 * k].map(|i| passages[i].position_m());
             if first.may_be_met(start, middle, wanted_m) {
                 rollout.keep_off_first_half(start, middle, wanted_m);
@@ -177,7 +182,7 @@ impl LookAhead {
             }
         }
         for obstacle in scene.close_obstacles {
-            let (place, wanted_m) = (obstacle.centre_m(), obstacle.radius_m + self.clearance_m);
+            let (place, wanted_m) = (obstacle.centre_m(), obstacle.radius_m + (self.clearance_m + scene.margin_m));
             if first.may_be_met(place, place, wanted_m) {
                 rollout.keep_off_first_half(place, place, wanted_m);
             }

@@ -147,6 +147,8 @@ proptest! {
             close_obstacles: &obstacles,
             detected,
             neighbours: &neighbours,
+            margin_m: 0.0,
+            neighbour_margins_m: &[],
         };
         let columns: Vec<f64> = (0..3).flat_map(|term| weights.iter().map(move |row| row[term])).collect();
         let (mut costs, mut violations) = (vec![0.0; 2 * weights.len()], vec![0.0; weights.len()]);

@@ -23,6 +23,10 @@ const TAKEOFF: u32 = 13;
 /// home.
 pub(super) const END_MODES: [u32; 3] = [LOITER, RTL, RTL];
 
+/// What is told of a plane that was to land.
+pub(super) const LAND_NOTE: &str =
+    "it lands only if RTL_AUTOLAND is set and a landing sequence is on board; else it circles above its home";
+
 /// Names before 4.5 stand behind the present ones.
 pub(super) const LIMIT_PARAMETERS: [&str; 9] = [
     "AIRSPEED_MIN",

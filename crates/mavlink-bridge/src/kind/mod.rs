@@ -347,6 +347,14 @@ impl Driver {
         }
     }
 
+    /// What the end mode does not do though it was asked for, in words.
+    pub fn end_note(&self, at_end: AtEnd) -> Option<&'static str> {
+        match (self.kind, at_end) {
+            (AutopilotKind::ArduPlane, AtEnd::Land) => Some(arduplane::LAND_NOTE),
+            _ => None,
+        }
+    }
+
     /// Names of the parameters that [`limits`](Self::limits) reads.
     pub fn limit_parameters(&self) -> &'static [&'static str] {
         match self.kind {

@@ -7,6 +7,13 @@ use std::time::Duration;
 const WINDOW: Duration = Duration::from_secs(6);
 /// At most so many are kept.
 const SAMPLES_MAX: usize = 256;
+/// Of the messages that arrive within so long the quickest counts.
+const BIN_S: f64 = 0.5;
+/// So many of the quickest are kept, however long ago: a ground station that was stalled finds seconds of late messages
+/// at once, and must not take these for the link as it is.
+const BINS_MAX: usize = 12;
+/// What is older than this says nothing of the link any more, s.
+const BIN_AGE_MAX_S: f64 = 60.0;
 /// Round trips are looked at for this long: the shortest of them tells the delay of the link.
 const ROUND_TRIPS: Duration = Duration::from_secs(20);
 /// A drift is believed from messages that span this.
@@ -18,13 +25,15 @@ const REBOOT_MS: u32 = 2_000;
 
 /// Estimates, from the time stamps of telemetry and from TIMESYNC round trips, which ground time a vehicle's time is.
 ///
-/// A message is heard some delay after it was stamped. The least delays of a window, with the drift between the two
-/// clocks taken out, give the vehicle's time plus the least delay of the link; half of the shortest round trip gives
-/// that delay.
+/// A message is heard some delay after it was stamped. The least delays of each half second, with the drift between
+/// the two clocks taken out, give the vehicle's time plus the least delay of the link; half of the shortest round trip
+/// gives that delay. The drift is the median of the slopes between them: a burst of late messages does not move it.
 #[derive(Clone, Debug, Default)]
 pub struct VehicleClock {
     /// Ground time of arrival, and by how much it is ahead of the stamp, s.
     samples: VecDeque<(f64, f64)>,
+    /// The quickest messages: the same two numbers.
+    quickest: VecDeque<(f64, f64)>,
     round_trips: VecDeque<(Duration, f64)>,
     last_boot_ms: Option<u32>,
     /// Offset at `fitted_at` and its change per second.
@@ -47,6 +56,7 @@ impl VehicleClock {
             let back = last.wrapping_sub(boot_ms);
             if back > REBOOT_MS && back < u32::MAX / 2 {
                 self.samples.clear();
+                self.quickest.clear();
                 self.fit = None;
                 self.reboots += 1;
             } else if back < u32::MAX / 2 && back > 0 {
@@ -63,7 +73,22 @@ impl VehicleClock {
         {
             self.samples.pop_front();
         }
+        self.note_quickest(now_s, now_s - boot_s);
         self.fit = self.fitted(now_s);
+    }
+
+    fn note_quickest(&mut self, now_s: f64, offset_s: f64) {
+        let is_same_bin = |at_s: f64| libm::floor(at_s / BIN_S) == libm::floor(now_s / BIN_S);
+        match self.quickest.back_mut().filter(|(at_s, _)| is_same_bin(*at_s)) {
+            Some(last) if offset_s < last.1 => *last = (now_s, offset_s),
+            Some(_) => {}
+            None => self.quickest.push_back((now_s, offset_s)),
+        }
+        while self.quickest.len() > BINS_MAX
+            || self.quickest.front().is_some_and(|&(at_s, _)| now_s - at_s > BIN_AGE_MAX_S)
+        {
+            self.quickest.pop_front();
+        }
     }
 
     /// Takes a TIMESYNC round trip that ended at ground time `heard`.
@@ -77,6 +102,25 @@ impl VehicleClock {
     /// Delay of the link one way, s: half of the shortest round trip; none before there was one.
     pub fn delay_s(&self) -> Option<f64> {
         self.round_trips.iter().map(|&(_, trip_s)| 0.5 * trip_s).min_by(f64::total_cmp)
+    }
+
+    /// Time that a command takes to the vehicle, s, as far as round trips tell: their mean without what telemetry
+    /// takes of it on the way back; none before there was one.
+    pub fn command_delay_s(&self) -> Option<f64> {
+        let back_s = self.delay_s()? + self.jitter_s().unwrap_or(0.0);
+        Some((self.round_trip_mean_s()? - back_s).max(0.0))
+    }
+
+    /// Spread of a delay one way, s: the standard deviation of round trips over the root of two.
+    pub fn delay_spread_s(&self) -> Option<f64> {
+        let (mean_s, count) = (self.round_trip_mean_s()?, self.round_trips.len() as f64);
+        let variance = self.round_trips.iter().map(|&(_, trip_s)| (trip_s - mean_s) * (trip_s - mean_s)).sum::<f64>();
+        Some((0.5 * variance / count).sqrt())
+    }
+
+    fn round_trip_mean_s(&self) -> Option<f64> {
+        let count = self.round_trips.len() as f64;
+        (count > 0.0).then(|| self.round_trips.iter().map(|&(_, trip_s)| trip_s).sum::<f64>() / count)
     }
 
     /// How much later than the quickest messages come, s: the mean over the window.
@@ -106,21 +150,28 @@ impl VehicleClock {
 
     /// A line along the lower edge of the samples.
     fn fitted(&self, now_s: f64) -> Option<Fit> {
-        let (first_s, _) = *self.samples.front()?;
-        let count = self.samples.len() as f64;
-        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| self.samples.iter().map(of).sum::<f64>() / count;
-        let (mean_t, mean_o) = (mean(&|sample| sample.0), mean(&|sample| sample.1));
-        let drift = if now_s - first_s < SPAN_MIN_S {
-            0.0
-        } else {
-            let covariance: f64 = self.samples.iter().map(|&(t, o)| (t - mean_t) * (o - mean_o)).sum();
-            let variance: f64 = self.samples.iter().map(|&(t, _)| (t - mean_t) * (t - mean_t)).sum();
-            if variance > 0.0 { (covariance / variance).clamp(-DRIFT_MAX, DRIFT_MAX) } else { 0.0 }
-        };
+        let drift = self.drift_of_quickest();
         let residual = |&(t, o): &(f64, f64)| o - drift * (t - now_s);
-        let offset_s = self.samples.iter().map(residual).min_by(f64::total_cmp)?;
-        let jitter_s = self.samples.iter().map(|sample| residual(sample) - offset_s).sum::<f64>() / count;
+        let offset_s = self.quickest.iter().map(residual).min_by(f64::total_cmp)?;
+        let late_s: f64 = self.samples.iter().map(|sample| residual(sample) - offset_s).sum();
+        let jitter_s = (late_s / self.samples.len().max(1) as f64).max(0.0);
         Some(Fit { at_s: now_s, offset_s, drift, jitter_s })
+    }
+
+    /// The median slope between the quickest messages.
+    fn drift_of_quickest(&self) -> f64 {
+        let points: Vec<(f64, f64)> = self.quickest.iter().copied().collect();
+        let mut slopes = Vec::new();
+        for (index, &(t, o)) in points.iter().enumerate() {
+            let before = points[..index].iter().filter(|(earlier, _)| t - earlier >= 0.5 * SPAN_MIN_S);
+            slopes.extend(before.map(|&(earlier, offset)| (o - offset) / (t - earlier)));
+        }
+        let spans = points.first().zip(points.last()).is_some_and(|(first, last)| last.0 - first.0 >= SPAN_MIN_S);
+        if !spans || slopes.is_empty() {
+            return 0.0;
+        }
+        slopes.sort_by(f64::total_cmp);
+        slopes[slopes.len() / 2].clamp(-DRIFT_MAX, DRIFT_MAX)
     }
 }
 
@@ -148,6 +199,19 @@ mod tests {
         let (clock, error_s) = clock(0.0, 0.2, |_| 0.0, 50);
         assert!(error_s.abs() < 2e-3, "{error_s}");
         assert!((clock.delay_s().unwrap() - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_stalled_ground_station_takes_late_messages_for_late() {
+        let (mut clock, _) = clock(0.0, 0.0, |_| 0.0, 100);
+        // Eight seconds of messages, of which the last was flown at 118 s, all read at that time; then as before.
+        for index in 100..260 {
+            let flown_s = 100.0 + 0.1 * index as f64;
+            let boot_ms = ((flown_s - 90.0) * 1e3).round() as u32;
+            clock.hear(boot_ms, Duration::from_secs_f64(f64::max(flown_s, 118.0)));
+            let error_s = clock.ground_time_s(boot_ms).unwrap() - flown_s;
+            assert!(error_s.abs() < 2e-3, "{flown_s}: {error_s}");
+        }
     }
 
     #[test]

@@ -2,9 +2,10 @@
 //! when somebody has time for it.
 
 use super::{Connection, HostPort, serial, tcp, udp};
-use crate::{ImpairmentSettings, LinkError};
+use crate::{Counters, ImpairmentSettings, LinkError};
 use std::io;
 use std::net::{SocketAddr, ToSocketAddrs};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
@@ -102,12 +103,16 @@ pub(super) type Send = (Peer, Vec<u8>);
 /// Where links put what they tell.
 pub(super) type Events = mpsc::UnboundedSender<LinkEvent>;
 
+/// What a socket itself counts, for others to read while it runs.
+pub(super) type SocketCounters = Arc<Mutex<Counters>>;
+
 /// Open links.
 #[derive(Debug)]
 pub struct Links {
     queues: Vec<mpsc::Sender<Send>>,
     events: mpsc::UnboundedReceiver<LinkEvent>,
     overflows: Vec<u64>,
+    socket_counters: Vec<SocketCounters>,
     addresses: Vec<Option<SocketAddr>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -122,14 +127,16 @@ impl Links {
         let (tell, events) = mpsc::unbounded_channel();
         let (queues, takers): (Vec<_>, Vec<_>) = specs.iter().map(|_| mpsc::channel(QUEUE_MAX)).unzip();
         let overflows = vec![0; specs.len()];
+        let socket_counters: Vec<SocketCounters> = specs.iter().map(|_| SocketCounters::default()).collect();
+        let shared = socket_counters.clone();
         let (opened, is_open) = oneshot::channel();
         let thread = std::thread::Builder::new()
             .name("links".to_owned())
-            .spawn(move || run(specs, takers, tell, opened))
+            .spawn(move || run(specs, takers, shared, tell, opened))
             .map_err(OpenError::Thread)?;
         let addresses =
             is_open.blocking_recv().unwrap_or_else(|_| Err(OpenError::Thread(io::ErrorKind::Other.into())))?;
-        Ok(Self { queues, events, overflows, addresses, thread: Some(thread) })
+        Ok(Self { queues, events, overflows, socket_counters, addresses, thread: Some(thread) })
     }
 
     /// The address that a UDP or listening TCP link is bound to.
@@ -151,6 +158,21 @@ impl Links {
     /// How many datagrams or pieces a link could not take.
     pub fn overflows(&self, link: usize) -> u64 {
         self.overflows.get(link).copied().unwrap_or(0)
+    }
+
+    /// What the socket of a UDP link could not send or receive, and what the impairment did to it. Datagrams and bytes
+    /// are counted by those who take and give them.
+    pub fn socket_counters(&self, link: usize) -> Counters {
+        let Some(shared) = self.socket_counters.get(link) else { return Counters::default() };
+        let counters = *shared.lock().unwrap_or_else(PoisonError::into_inner);
+        Counters {
+            send_errors: counters.send_errors,
+            receive_errors: counters.receive_errors,
+            impairment_lost: counters.impairment_lost,
+            impairment_duplicated: counters.impairment_duplicated,
+            impairment_reordered: counters.impairment_reordered,
+            ..Counters::default()
+        }
     }
 
     /// Waits for what a link tells next; none when all of them have ended. Cancel safe.
@@ -177,6 +199,7 @@ impl Drop for Links {
 fn run(
     specs: Vec<LinkSpec>,
     takers: Vec<mpsc::Receiver<Send>>,
+    counters: Vec<SocketCounters>,
     tell: Events,
     opened: oneshot::Sender<Result<Vec<Option<SocketAddr>>, OpenError>>,
 ) {
@@ -190,9 +213,11 @@ fn run(
     runtime.block_on(async {
         let mut tasks = tokio::task::JoinSet::new();
         let mut addresses = Vec::new();
-        for (link, (spec, taker)) in specs.into_iter().zip(takers).enumerate() {
+        for (link, ((spec, taker), counters)) in specs.into_iter().zip(takers).zip(counters).enumerate() {
             let started = match &spec.connection {
-                Connection::UdpIn(_) | Connection::UdpOut(_) => udp::start(&mut tasks, link, spec, taker, tell.clone()),
+                Connection::UdpIn(_) | Connection::UdpOut(_) => {
+                    udp::start(&mut tasks, link, spec, counters, taker, tell.clone())
+                }
                 Connection::TcpIn(address) => {
                     let address = address.clone();
                     tcp::start_listening(&mut tasks, link, spec, &address, taker, tell.clone()).await

@@ -50,6 +50,17 @@ pub struct Rejected {
     pub replayed: u64,
 }
 
+impl Rejected {
+    /// Counts a frame that was rejected.
+    pub fn count(&mut self, rejection: Rejection) {
+        match rejection {
+            Rejection::Unsigned => self.unsigned += 1,
+            Rejection::Forged => self.forged += 1,
+            Rejection::Replayed => self.replayed += 1,
+        }
+    }
+}
+
 impl SigningKey {
     /// A key from the contents of a file: 32 bytes, or 64 hexadecimal digits with white space around them.
     ///
@@ -92,40 +103,34 @@ pub fn signing_time(since_unix_epoch: Duration) -> u64 {
     (since.as_micros() / 10) as u64 & 0xFFFF_FFFF_FFFF
 }
 
-/// Signs what goes out and verifies what comes in on one link.
+/// Signs what goes out and verifies what comes in, on all links of a station together: a frame that was accepted from
+/// one link is a replay on every other.
 #[derive(Clone, Debug)]
 pub struct Signing {
     key: SigningKey,
-    link_id: u8,
     /// The last time stamp that was used or accepted.
     time: u64,
     /// The last time stamp of each sender: link id, system, component.
     senders: HashMap<(u8, u8, u8), u64>,
-    rejected: Rejected,
 }
 
 impl Signing {
-    /// Signatures of a link with a number of its own, from `now` on (see [`signing_time`]).
-    pub fn new(key: SigningKey, link_id: u8, now: u64) -> Self {
-        Self { key, link_id, time: now, senders: HashMap::new(), rejected: Rejected::default() }
+    /// Signatures from `now` on (see [`signing_time`]).
+    pub fn new(key: SigningKey, now: u64) -> Self {
+        Self { key, time: now, senders: HashMap::new() }
     }
 
-    /// What was rejected so far.
-    pub fn rejected(&self) -> Rejected {
-        self.rejected
-    }
-
-    /// Appends `frame` with a signature to `out`. A frame of MAVLink 1, or one that is signed already, is appended as
-    /// it is.
-    pub fn sign(&mut self, frame: &[u8], now: u64, out: &mut Vec<u8>) {
-        let Some(signed) = self.signed(frame, now) else {
+    /// Appends `frame` to `out` with a signature of the link with this number. A frame of MAVLink 1, or one that is
+    /// signed already, is appended as it is.
+    pub fn sign(&mut self, link_id: u8, frame: &[u8], now: u64, out: &mut Vec<u8>) {
+        let Some(signed) = self.signed(link_id, frame, now) else {
             out.extend_from_slice(frame);
             return;
         };
         out.extend_from_slice(&signed);
     }
 
-    fn signed(&mut self, frame: &[u8], now: u64) -> Option<Vec<u8>> {
+    fn signed(&mut self, link_id: u8, frame: &[u8], now: u64) -> Option<Vec<u8>> {
         let end = frame.len().checked_sub(CHECKSUM).filter(|&end| end >= V2_HEADER)?;
         if frame[0] != V2_START || frame[2] & SIGNED != 0 {
             return None;
@@ -136,29 +141,18 @@ impl Signing {
         signed.extend_from_slice(&checksum(&signed[1..], checksum_extra(id)?).to_le_bytes());
         // Strictly newer each time, though two frames go out within 10 us.
         self.time = now.max(self.time + 1);
-        signed.push(self.link_id);
+        signed.push(link_id);
         signed.extend_from_slice(&self.time.to_le_bytes()[..6]);
         let signature = self.key.signature(&signed);
         signed.extend_from_slice(&signature);
         Some(signed)
     }
 
-    /// Whether a frame that came in at `now` is accepted; what is not is counted.
+    /// Whether a frame that came in at `now` is accepted.
     ///
     /// # Errors
     /// Why it is not.
     pub fn verify(&mut self, frame: &Frame<'_>, now: u64) -> Result<(), Rejection> {
-        let verdict = self.judge(frame, now);
-        match verdict {
-            Ok(()) => {}
-            Err(Rejection::Unsigned) => self.rejected.unsigned += 1,
-            Err(Rejection::Forged) => self.rejected.forged += 1,
-            Err(Rejection::Replayed) => self.rejected.replayed += 1,
-        }
-        verdict
-    }
-
-    fn judge(&mut self, frame: &Frame<'_>, now: u64) -> Result<(), Rejection> {
         let is_signed = frame.header.version == Version::V2 && frame.bytes.get(2).is_some_and(|f| f & SIGNED != 0);
         let from = frame.bytes.len().checked_sub(SIGNATURE).filter(|_| is_signed).ok_or(Rejection::Unsigned)?;
         let (signed, signature) = frame.bytes.split_at(frame.bytes.len() - 6);
@@ -199,7 +193,7 @@ mod tests {
     fn signed(signing: &mut Signing, encoder: &mut Encoder, now: u64) -> Vec<u8> {
         let (mut plain, mut out) = (Vec::new(), Vec::new());
         encoder.encode(&ground_heartbeat(), &mut plain);
-        signing.sign(&plain, now, &mut out);
+        signing.sign(3, &plain, now, &mut out);
         out
     }
 
@@ -207,7 +201,7 @@ mod tests {
     // True, MAVLink(None, srcSystem=255, srcComponent=190), heartbeat_send(6, 8, 0, 0, 4).
     #[test]
     fn a_signed_frame_has_the_bytes_that_others_write() {
-        let mut signing = Signing::new(key(7), 3, NOW - 1);
+        let mut signing = Signing::new(key(7), NOW - 1);
         let mut encoder = Encoder::new(255, 190);
         let bytes = signed(&mut signing, &mut encoder, NOW);
         let hex: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
@@ -218,7 +212,7 @@ mod tests {
 
     #[test]
     fn what_the_key_signed_is_accepted_once() {
-        let (mut ground, mut vehicle) = (Signing::new(key(7), 0, NOW), Signing::new(key(7), 1, NOW));
+        let (mut ground, mut vehicle) = (Signing::new(key(7), NOW), Signing::new(key(7), NOW));
         let mut encoder = Encoder::new(1, 1);
         let bytes = signed(&mut vehicle, &mut encoder, NOW);
         let frame = Frame::parse(&bytes).unwrap();
@@ -226,33 +220,40 @@ mod tests {
         assert_eq!(ground.verify(&frame, NOW), Err(Rejection::Replayed));
         let next = signed(&mut vehicle, &mut encoder, NOW);
         assert_eq!(ground.verify(&Frame::parse(&next).unwrap(), NOW), Ok(()));
-        assert_eq!(ground.rejected(), Rejected { replayed: 1, ..Rejected::default() });
     }
 
     #[test]
     fn unsigned_forged_and_old_frames_are_rejected() {
-        let mut ground = Signing::new(key(7), 0, NOW);
+        let mut ground = Signing::new(key(7), NOW);
         let mut plain = Vec::new();
         Encoder::new(1, 1).encode(&ground_heartbeat(), &mut plain);
         assert_eq!(ground.verify(&Frame::parse(&plain).unwrap(), NOW), Err(Rejection::Unsigned));
         let mut old = Vec::new();
         Encoder::new(1, 1).with_version(Version::V1).encode(&ground_heartbeat(), &mut old);
         assert_eq!(ground.verify(&Frame::parse(&old).unwrap(), NOW), Err(Rejection::Unsigned));
-        let forged = signed(&mut Signing::new(key(8), 1, NOW), &mut Encoder::new(1, 1), NOW);
+        let forged = signed(&mut Signing::new(key(8), NOW), &mut Encoder::new(1, 1), NOW);
         assert_eq!(ground.verify(&Frame::parse(&forged).unwrap(), NOW), Err(Rejection::Forged));
-        let late = signed(&mut Signing::new(key(7), 1, 0), &mut Encoder::new(1, 1), NOW - 2 * NEW_SENDER_LATE_MAX);
+        let late = signed(&mut Signing::new(key(7), 0), &mut Encoder::new(1, 1), NOW - 2 * NEW_SENDER_LATE_MAX);
         assert_eq!(ground.verify(&Frame::parse(&late).unwrap(), NOW), Err(Rejection::Replayed));
-        assert_eq!(ground.rejected(), Rejected { unsigned: 2, forged: 1, replayed: 1 });
+    }
+
+    #[test]
+    fn rejections_are_counted() {
+        let mut rejected = Rejected::default();
+        for rejection in [Rejection::Unsigned, Rejection::Forged, Rejection::Forged, Rejection::Replayed] {
+            rejected.count(rejection);
+        }
+        assert_eq!(rejected, Rejected { unsigned: 1, forged: 2, replayed: 1 });
     }
 
     #[test]
     fn a_changed_byte_is_a_forgery() {
-        let bytes = signed(&mut Signing::new(key(7), 1, NOW), &mut Encoder::new(1, 1), NOW);
+        let bytes = signed(&mut Signing::new(key(7), NOW), &mut Encoder::new(1, 1), NOW);
         for index in bytes.len() - 13..bytes.len() {
             let mut changed = bytes.clone();
             changed[index] ^= 1;
             let frame = Frame::parse(&changed).unwrap();
-            assert_eq!(Signing::new(key(7), 0, NOW).verify(&frame, NOW), Err(Rejection::Forged), "{index}");
+            assert_eq!(Signing::new(key(7), NOW).verify(&frame, NOW), Err(Rejection::Forged), "{index}");
         }
     }
 

@@ -1,9 +1,10 @@
 //! UDP: one socket, any number of peers.
 
 use super::Connection;
-use super::shell::{Arrival, Events, LinkEvent, LinkSpec, OpenError, Peer, RETRY, Send, resolve};
-use crate::{LinkSettings, UdpLink};
+use super::shell::{Arrival, Events, LinkEvent, LinkSpec, OpenError, Peer, RETRY, Send, SocketCounters, resolve};
+use crate::{Counters, LinkSettings, UdpLink};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::PoisonError;
 use std::time::Instant;
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
@@ -13,6 +14,7 @@ pub(super) fn start(
     tasks: &mut JoinSet<()>,
     link: usize,
     spec: LinkSpec,
+    counters: SocketCounters,
     taker: mpsc::Receiver<Send>,
     tell: Events,
 ) -> Result<Option<SocketAddr>, OpenError> {
@@ -35,7 +37,7 @@ pub(super) fn start(
     let socket = UdpLink::bind(bind, settings).map_err(refused)?;
     let local = socket.local_addr().map_err(refused)?;
     let _ = tell.send(LinkEvent::Up(link));
-    tasks.spawn(run(link, socket, default_peer, bind, settings, taker, tell));
+    tasks.spawn(run(link, socket, default_peer, (bind, settings), counters, taker, tell));
     Ok(Some(local))
 }
 
@@ -52,13 +54,16 @@ async fn run(
     link: usize,
     mut socket: UdpLink,
     default_peer: Option<SocketAddr>,
-    bind: SocketAddr,
-    settings: LinkSettings,
+    (bind, settings): (SocketAddr, LinkSettings),
+    counters: SocketCounters,
     mut taker: mpsc::Receiver<Send>,
     tell: Events,
 ) {
     let mut bytes = Vec::new();
+    // What a socket that was given up had counted.
+    let mut before = Counters::default();
     loop {
+        *counters.lock().unwrap_or_else(PoisonError::into_inner) = before + socket.counters();
         tokio::select! {
             biased;
             wanted = taker.recv() => match wanted {
@@ -83,6 +88,7 @@ async fn run(
                 }
                 Err(error) => {
                     let _ = tell.send(LinkEvent::Down(link, error.to_string()));
+                    before += socket.counters();
                     loop {
                         tokio::time::sleep(RETRY).await;
                         if tell.is_closed() {

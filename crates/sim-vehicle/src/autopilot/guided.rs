@@ -42,7 +42,9 @@ impl Autopilot {
     /// Param 1: the item. Param 2: 1 to begin counting jumps anew.
     pub(crate) fn set_current_mission_item(&mut self, [seq, reset]: [f32; 2]) -> Result<(), CommandError> {
         check_finite("Mission", &[seq])?;
-        self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX), reset == 1.0)
+        self.set_current_item(u16::try_from(integer(seq)).unwrap_or(u16::MAX), reset == 1.0)?;
+        self.tell_chosen_item();
+        Ok(())
     }
 
     pub(crate) fn check_guided_command(&self, name: &str) -> Result<(), CommandError> {

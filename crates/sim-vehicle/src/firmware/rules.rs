@@ -109,6 +109,8 @@ pub(crate) struct Rules {
     pub upload_can_be_broken_off: bool,
     /// Whether items are asked for by the older message, and not by it only of those that use it.
     pub asks_by_old_message: bool,
+    /// Whether an item that is chosen and not flown to is told as the next one that is.
+    pub tells_next_flown_item: bool,
     /// Whether a mission that is not flown is told as paused.
     pub tells_paused_mission: bool,
     /// MISSION_CURRENT.mission_mode while no mission is flown.

@@ -47,10 +47,17 @@ impl GroundStationWatch {
             Action::Glide => Mode::Fbwa,
             Action::Warn | Action::Land => now.mode(),
         };
-        let text = format!("GCS Failsafe On: switched to {mode}");
+        let text = if value == PARACHUTE && action == Action::Warn {
+            format!("GCS Failsafe On: no parachute, stays in {mode}")
+        } else {
+            format!("GCS Failsafe On: switched to {mode}")
+        };
         Some(Proposal::new(Cause::GroundStation, action).saying(Severity::Warning, text))
     }
 }
+
+/// The value of FS_LONG_ACTN that releases a parachute.
+const PARACHUTE: f32 = 3.0;
 
 /// What FS_LONG_ACTN brings about in a mode (`Plane::failsafe_long_on_event`): GUIDED and AUTO go on by default, and
 /// other modes return. There is no parachute (3), and AUTOLAND (5) is not simulated: RTL, as where it is not possible.

@@ -38,6 +38,13 @@ impl Autopilot {
         Ok(())
     }
 
+    /// The item that was chosen is told as an ArduPlane tells it: the next one that is flown to.
+    pub(crate) fn tell_chosen_item(&mut self) {
+        if self.rules.tells_next_flown_item {
+            self.session.progress.tell_next_flown(&self.mission);
+        }
+    }
+
     /// Another mission that was uploaded begins with an item, or goes on with it.
     pub(crate) fn start_mission_at(&mut self, seq: u16) {
         self.session.progress.start_at(seq, &self.mission);
@@ -49,7 +56,11 @@ impl Autopilot {
             return Err(CommandError::denied("Mission: a tag has 16 bits"));
         }
         match self.mission.tagged(f64::from(tag.trunc())) {
-            Some(seq) => self.set_current_item(seq, false),
+            Some(seq) => {
+                self.set_current_item(seq, false)?;
+                self.tell_chosen_item();
+                Ok(())
+            }
             None => Err(CommandError::failed(format!("Mission: no tag {tag}"))),
         }
     }

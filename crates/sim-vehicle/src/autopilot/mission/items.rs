@@ -104,6 +104,13 @@ fn check_place(item: &PlanItem) -> Result<(), PlanError> {
     Ok(())
 }
 
+/// Whether an item is flown to or waited at; others are done on the way (`AP_Mission::is_nav_cmd`).
+pub(super) fn is_flown_to(item: &PlanItem) -> bool {
+    const NAV_LAST: u16 = 95;
+    const OTHERS: [u16; 3] = [213, 42_702, 42_703];
+    item.command <= NAV_LAST || OTHERS.contains(&item.command)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

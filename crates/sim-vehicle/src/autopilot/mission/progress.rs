@@ -1,6 +1,7 @@
 //! How far AUTO has come.
 
 use super::Mission;
+use super::items::is_flown_to;
 use super::legs::Leg;
 use nalgebra::Vector2;
 
@@ -11,8 +12,8 @@ pub(crate) struct Progress {
     current: u16,
     /// Whether it has been flown, or somebody has chosen it.
     has_begun: bool,
-    /// Whether it is told before it has begun: an upload has said where to begin.
-    is_known: bool,
+    /// What is told in its place until it is flown: the item that was chosen, or the next one that has a place.
+    told_as: Option<u16>,
     is_complete: bool,
     /// Whether RTL has looked for a landing sequence.
     has_looked_for_landing: bool,
@@ -33,13 +34,14 @@ impl Progress {
     /// are reset.
     pub fn choose(&mut self, seq: u16, mission: &Mission, resets_jumps: bool) {
         let jumps = if resets_jumps { Vec::new() } else { std::mem::take(&mut self.jumps) };
-        *self = Self { current: seq.max(mission.first()), has_begun: true, jumps, ..Self::default() };
+        let current = seq.max(mission.first());
+        *self = Self { current, has_begun: true, told_as: Some(current), jumps, ..Self::default() };
     }
 
     /// Another mission begins with an item, or with its last one.
     pub fn start_at(&mut self, seq: u16, mission: &Mission) {
         let current = seq.min(mission.len().saturating_sub(1));
-        *self = Self { current, is_known: true, ..Self::at_beginning(mission) };
+        *self = Self { current, told_as: Some(current), ..Self::at_beginning(mission) };
     }
 
     /// How often a jump has been made.
@@ -61,7 +63,16 @@ impl Progress {
 
     /// The current item as it is told: none, 0, before anything has begun.
     pub fn told(&self) -> u16 {
-        if self.has_begun || self.is_known { self.current } else { 0 }
+        self.told_as.unwrap_or(if self.has_begun { self.current } else { 0 })
+    }
+
+    /// An item that was chosen and is not flown to is passed over: the next one that is flown to is told.
+    pub fn tell_next_flown(&mut self, mission: &Mission) {
+        let chosen = usize::from(self.current);
+        let next = mission.numbered().skip_while(|(seq, _)| *seq < self.current).find(|(_, item)| is_flown_to(item));
+        if let Some((seq, _)) = next.filter(|_| self.told_as.is_some() && chosen < mission.items().len()) {
+            self.told_as = Some(seq);
+        }
     }
 
     /// AUTO has been set: it goes on with the current item, from its beginning.
@@ -87,6 +98,7 @@ impl Progress {
     /// Begins with the current item.
     pub(super) fn begin_item(&mut self) -> u16 {
         self.has_begun = true;
+        self.told_as = None;
         self.current
     }
 
@@ -100,6 +112,7 @@ impl Progress {
     }
 
     pub(super) fn go_to(&mut self, seq: u16) {
+        self.told_as = None;
         self.current = seq;
         self.leg = Leg::Begin;
     }

@@ -55,6 +55,7 @@ pub(super) const RULES: Rules = Rules {
     nan_params_are_left_out: false,
     upload_can_be_broken_off: false,
     asks_by_old_message: true,
+    tells_next_flown_item: true,
     tells_paused_mission: false,
     mission_mode_suspended: 0,
 

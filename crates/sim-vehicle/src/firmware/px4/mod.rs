@@ -60,6 +60,7 @@ pub(super) const RULES: Rules = Rules {
     return_item_stays_current: false,
     nan_params_are_left_out: true,
     asks_by_old_message: false,
+    tells_next_flown_item: false,
     tells_paused_mission: true,
     mission_mode_suspended: 2,
 

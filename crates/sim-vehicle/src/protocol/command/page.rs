@@ -1,6 +1,7 @@
 //! Holds the table "Params that are read" of docs/mavlink.md to the code: a param that is not in it changes no answer.
 
 use crate::error::CommandResult;
+use crate::firmware::Personality;
 use crate::links::PeerId;
 use crate::mode::Mode;
 use crate::protocol::Services;
@@ -30,11 +31,15 @@ type Answer = Option<CommandResult>;
 
 /// What a vehicle answers, on the ground or in the air and in GUIDED.
 fn answer(number: u16, params: [f32; 7], is_int: bool, in_air: bool) -> Answer {
-    let settings = VehicleSettings { on_ground: !in_air, ..VehicleSettings::default() };
+    answer_of(Personality::ArduPlane, number, params, is_int, in_air)
+}
+
+fn answer_of(personality: Personality, number: u16, params: [f32; 7], is_int: bool, in_air: bool) -> Answer {
+    let settings = VehicleSettings { on_ground: !in_air, personality, ..VehicleSettings::default() };
     let mut component = Component::new(settings, false);
     component.autopilot.start();
     let (link, _) = component.hear(PeerId::from(([127, 0, 0, 1], 14550)), Version::V2);
-    if in_air {
+    if in_air && personality == Personality::ArduPlane {
         component.autopilot.set_mode(Mode::Guided);
     }
     let [p1, p2, p3, p4, p5, p6, z] = params;
@@ -113,4 +118,31 @@ fn an_armed_vehicle_reboots_by_force_alone() {
     let refused = answer(246, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], false, true);
     let forced = [false, true].map(|is_int| answer(246, [1.0, 0.0, 0.0, 0.0, 0.0, 20_190_226.0, 0.0], is_int, true));
     assert_eq!((refused, forced), (Some(CommandResult::Failed), [None; 2]));
+}
+
+/// All numbers of commands that an autopilot answers otherwise than UNSUPPORTED.
+fn known(personality: Personality) -> Vec<u16> {
+    let ranges = [0..3_100, 4_500..5_400, 10_000..10_010, 31_000..31_020, 32_000..32_010, 40_000..43_100];
+    let is_known = |number: &u16| {
+        [false, true].into_iter().any(|is_int| {
+            let result = answer_of(personality, *number, accepted(*number), is_int, true);
+            result != Some(CommandResult::Unsupported)
+        })
+    };
+    ranges.into_iter().flatten().filter(is_known).collect()
+}
+
+#[test]
+fn every_command_that_an_arduplane_knows_is_in_the_table() {
+    let rows: Vec<u16> = rows().into_iter().map(|(number, _)| number).collect();
+    let missing: Vec<u16> = known(Personality::ArduPlane).into_iter().filter(|number| !rows.contains(number)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
+fn every_command_that_a_px4_knows_is_in_its_sections() {
+    let sections = PAGE.split("\n## Personalities").nth(1).and_then(|rest| rest.split("\n## Generic").next()).unwrap();
+    let is_missing = |number: &u16| !sections.contains(&format!("({number})"));
+    let missing: Vec<u16> = known(Personality::Px4).into_iter().filter(is_missing).collect();
+    assert!(missing.is_empty(), "{missing:?}");
 }

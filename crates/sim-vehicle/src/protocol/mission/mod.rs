@@ -115,7 +115,10 @@ impl MissionService {
                 // It has no acknowledgement of its own. Whoever hears at once of another item than he asked for asks
                 // again.
                 match component.autopilot.set_current_item(seq, false) {
-                    Ok(()) => component.send_stream(link, Stream::MissionCurrent),
+                    Ok(()) => {
+                        component.send_stream(link, Stream::MissionCurrent);
+                        component.autopilot.tell_chosen_item();
+                    }
                     Err(error) => component.autopilot.say(Severity::Warning, &error.reason.unwrap_or_default()),
                 }
             }
