@@ -49,6 +49,9 @@ pub struct Recording {
 /// Telemetry this near to a command tells the vehicle's time, s.
 const NEAR_S: f64 = 4.0;
 
+/// A ground station that turns ground speeds into airspeeds has them tremble: within this they are one setpoint, m/s.
+const SAME_SPEED_MPS: f64 = 0.35;
+
 /// What a setpoint is of.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Part {
@@ -172,12 +175,21 @@ impl Recording {
         for part in [Part::Speed, Part::Course, Part::Altitude] {
             let commands = std::mem::take(self.part(part));
             let mut kept: Commands = Vec::new();
+            // The first value of those that are one setpoint, and how many they are.
+            let mut same = (f64::NAN, 0.0);
             for (at_s, value) in commands {
-                let is_same = kept.last().is_some_and(|&(_, before): &(f64, f64)| match part {
-                    Part::Course => wrap_pi(value - before).abs() < 1e-4,
-                    Part::Speed | Part::Altitude => (value - before).abs() < 1e-3,
-                });
-                if !is_same {
+                let is_same = match part {
+                    Part::Course => wrap_pi(value - same.0).abs() < 1e-4,
+                    Part::Speed => (value - same.0).abs() < SAME_SPEED_MPS,
+                    Part::Altitude => (value - same.0).abs() < 1e-3,
+                };
+                if let Some((_, mean)) = kept.last_mut().filter(|_| is_same) {
+                    same.1 += 1.0;
+                    if part == Part::Speed {
+                        *mean += (value - *mean) / same.1;
+                    }
+                } else {
+                    same = (value, 1.0);
                     kept.push(((at_s - offset_s(at_s)) / rate, value));
                 }
             }
