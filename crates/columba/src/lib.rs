@@ -14,6 +14,7 @@ pub mod judge;
 pub mod prediction;
 pub mod record;
 pub mod report;
+pub mod share;
 pub mod smoothness;
 pub mod station;
 pub mod suites;

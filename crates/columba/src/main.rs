@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         Command::Identify(args) => commands::identify(&cli, args),
         Command::Recover(args) => commands::recover(&cli, args),
         Command::Compare(args) => commands::compare(&cli, args),
+        Command::Share(args) => commands::share(&cli, args),
         Command::View(args) => commands::view(&cli, args),
         Command::Check(args) => commands::check(&cli, args),
         Command::Suites(args) => commands::suites(&cli, args),
