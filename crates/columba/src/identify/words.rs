@@ -108,8 +108,8 @@ pub fn airframe_toml(identified: &Identified, whence: &str) -> String {
     let base = if identified.has_wings { "plane" } else { "paper" };
     let _ = write!(
         text,
-        "\n[airframe]\nbase = \"{base}\"\n# A simulated vehicle flies Eq. 1 with these constants; \"plant\": the plant of \
-         the base instead,\n# and the controller reckons with these constants.\nflies = \"equation-1\"\n"
+        "\n[airframe]\nbase = \"{base}\"\n# A simulated vehicle flies Eq. 1 with these constants; \"plant\": the \
+         plant of the base instead,\n# and the controller reckons with these constants.\nflies = \"equation-1\"\n"
     );
     let mut key = |name: &str, value: f64| {
         let _ = writeln!(text, "{name} = {value:.4}");

@@ -112,8 +112,8 @@ impl SpeedLoop {
         self.balance.value + self.push.value
     }
 
-    /// One step towards a setpoint; gives the airspeed after it, within the limits. Only a gust carries it out of these,
-    /// and then no step makes up for it at once.
+    /// One step towards a setpoint; gives the airspeed after it, within the limits. Only a gust carries it out of
+    /// these, and then no step makes up for it at once.
     pub fn step(&mut self, setpoint_mps: f64, limits: &Limits) -> f64 {
         let settings = &self.settings;
         let least_mps = limits.speed_min_mps.min(self.airspeed_mps());
