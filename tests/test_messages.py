@@ -101,3 +101,22 @@ def test_what_is_accepted_comes_and_makes_sense(craft):
             craft.wait([message.get_type()], patience_s=PATIENCE_S)
         ask(craft, INTERVAL, number, -1)
         assert craft.acknowledged(INTERVAL) in (ACCEPTED, mavlink.MAV_RESULT_FAILED)
+
+
+# What a PX4 sends to ground stations and companion computers by itself (`configure_streams_to_default` of mavlink_main.cpp), in
+# the air, as far as there is such a thing here.
+UNASKED = """
+    ALTITUDE ATTITUDE ATTITUDE_QUATERNION ATTITUDE_TARGET BATTERY_STATUS ESTIMATOR_STATUS EXTENDED_SYS_STATE
+    GLOBAL_POSITION_INT GPS_GLOBAL_ORIGIN GPS_RAW_INT HIGHRES_IMU HOME_POSITION LOCAL_POSITION_NED NAV_CONTROLLER_OUTPUT
+    ODOMETRY POSITION_TARGET_GLOBAL_INT POSITION_TARGET_LOCAL_NED SCALED_PRESSURE SERVO_OUTPUT_RAW SYS_STATUS SYSTEM_TIME
+    VFR_HUD VIBRATION WIND_COV
+""".split()
+
+
+def test_a_px4_tells_unasked_what_a_real_one_does(start_vehicles, scenario):
+    craft = start_vehicles(scenario(), "--personality", "px4", "--speed", 5).connect()[0]
+    missing = set(UNASKED)
+    end = time.monotonic() + PATIENCE_S
+    while missing and time.monotonic() < end:
+        missing.discard(craft.wait(UNASKED).get_type())
+    assert not missing

@@ -15,7 +15,7 @@ use crate::autopilot::failsafe::battery::BatteryLevel;
 use crate::autopilot::fence::kinds::{CIRCLE, Kinds, MAX_ALTITUDE, POLYGON};
 use crate::autopilot::fence::monitor::FenceReport;
 use crate::autopilot::flight::Flight;
-use crate::firmware::rules::Rules;
+use crate::firmware::rules::{CommandSet, Rules};
 use crate::mode::Mode;
 use crate::parameters::Parameters;
 use crate::parameters::table::Parameter;
@@ -72,7 +72,12 @@ impl<'a> Instruments<'a> {
 impl Instruments<'_> {
     /// Whether there is anything to say when a stream is due; asked for, it is said anyhow.
     pub fn has(&self, stream: Stream) -> bool {
-        stream != Stream::FenceStatus || self.fence.is_enabled
+        match stream {
+            Stream::FenceStatus => self.fence.is_enabled,
+            // A PX4 has a position setpoint in flight alone.
+            Stream::PositionTargetLocalNed if self.rules.commands == CommandSet::Px4 => self.flight.is_flying(),
+            _ => true,
+        }
     }
 
     pub fn message(&self, stream: Stream) -> Message {

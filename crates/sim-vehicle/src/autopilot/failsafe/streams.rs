@@ -99,14 +99,15 @@ fn is_ground_heard(now: &Situation<'_>, timers: &Timers) -> bool {
     silent.as_secs_f32() <= now.get(Parameter::DataLinkTimeout)
 }
 
-/// COM_DLL_EXCEPT: bit 0 missions, bit 1 Hold, take-off and Guided Course, bit 2 Offboard. Landing and returning go on.
+/// COM_DLL_EXCEPT: bit 0 missions, bit 1 Hold, take-off, returning and Guided Course, bit 2 Offboard. A landing goes on
+/// (`Failsafe::isFailsafeIgnored`).
 fn is_excepted(now: &Situation<'_>) -> bool {
     let exceptions = now.get(Parameter::DataLinkExceptions) as u8;
     let bit = match now.mode() {
         Mode::Auto => 1,
-        Mode::Loiter | Mode::Takeoff | Mode::Course => 2,
+        Mode::Loiter | Mode::Takeoff | Mode::Rtl | Mode::Course => 2,
         Mode::Offboard => 4,
-        Mode::Land | Mode::Rtl => return true,
+        Mode::Land => return true,
         _ => 0,
     };
     exceptions & bit != 0

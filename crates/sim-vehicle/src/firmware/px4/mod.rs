@@ -82,6 +82,11 @@ pub(super) const RULES: Rules = Rules {
         (Stream::GpsGlobalOrigin, |rates| &mut rates.system_time_hz),
         (Stream::Odometry, |rates| &mut rates.raw_sensors_hz),
         (Stream::HighresImu, |rates| &mut rates.raw_sensors_hz),
+        (Stream::AttitudeTarget, |rates| &mut rates.vfr_hud_hz),
+        (Stream::PositionTargetLocalNed, |rates| &mut rates.sys_status_hz),
+        (Stream::ServoOutputRaw, |rates| &mut rates.sys_status_hz),
+        (Stream::EstimatorStatus, |rates| &mut rates.home_position_hz),
+        (Stream::Vibration, |rates| &mut rates.home_position_hz),
     ],
     ..arduplane::RULES
 };
