@@ -76,6 +76,9 @@ pub enum Command {
     /// Without a file it listens on UDP 14550, where autopilots send their telemetry by default.
     #[command(after_long_help = help::VIEW)]
     View(WatchArgs),
+    /// Draws a run's flight for others: a moving picture (APNG) and a still one, from its report.
+    #[command(after_long_help = help::SHARE)]
+    Share(ShareArgs),
     /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while
     /// it flew.
     Recover(RecoverArgs),
@@ -213,6 +216,19 @@ pub struct WatchArgs {
     /// Where the page is: a port on this machine, 0 for any free one, or an address with a port.
     #[arg(long, value_name = "ADDRESS", default_value = "0")]
     pub view: String,
+}
+
+/// `columba share`.
+#[derive(Debug, Args)]
+pub struct ShareArgs {
+    /// The folder of the run, with its report.html; moving.png and still.png are written there.
+    pub folder: PathBuf,
+    /// Width of the pictures in pixels, 100 to 4000.
+    #[arg(long, value_name = "PX", default_value = "800", value_parser = clap::value_parser!(u32).range(100..=4000))]
+    pub width: u32,
+    /// How long the moving picture is, in seconds, 1 to 60; the whole flight is in it.
+    #[arg(long, value_name = "S", default_value = "8", value_parser = share_seconds)]
+    pub seconds: f64,
 }
 
 /// `columba recover`.
@@ -354,6 +370,10 @@ fn at_end() -> impl TypedValueParser<Value = AtEnd> {
     names.try_map(|name| {
         AtEnd::ALL.into_iter().find(|(known, _)| *known == name).map(|(_, end)| end).ok_or("no such end")
     })
+}
+
+fn share_seconds(text: &str) -> Result<f64, String> {
+    number(text, 1.0, 60.0)
 }
 
 fn patience(text: &str) -> Result<f64, String> {

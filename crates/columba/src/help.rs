@@ -86,6 +86,14 @@ Examples:
 
 The program prints the address of the page and runs until Ctrl-C.";
 
+/// Of `columba share`.
+pub const SHARE: &str = "\
+Examples:
+  columba share runs/paper
+      runs/paper/moving.png for a README or a talk, and runs/paper/still.png
+  columba share runs/paper --width 480 --seconds 5
+      smaller and shorter";
+
 /// Of `columba compare`.
 pub const COMPARE: &str = "\
 Examples:
@@ -164,7 +172,7 @@ mod tests {
     #[test]
     fn the_examples_are_command_lines() {
         let mut examples = 0;
-        for text in [RUN, VEHICLES, FLY, VIEW, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
+        for text in [RUN, VEHICLES, FLY, VIEW, SHARE, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
             for line in text.lines().filter(|line| line.starts_with("  columba ")) {
                 // What the shell does with a command is not the program's.
                 let command = line.split(" > ").next().unwrap();

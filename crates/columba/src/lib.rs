@@ -12,6 +12,7 @@ pub mod help;
 pub mod judge;
 pub mod record;
 pub mod report;
+pub mod share;
 pub mod smoothness;
 pub mod station;
 pub mod suites;

@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::Fly(args) => commands::fly(&cli, args),
         Command::Recover(args) => commands::recover(&cli, args),
         Command::Compare(args) => commands::compare(&cli, args),
+        Command::Share(args) => commands::share(&cli, args),
         Command::View(args) => commands::view(&cli, args),
         Command::Check(args) => commands::check(&cli, args),
         Command::Suites(args) => commands::suites(&cli, args),
