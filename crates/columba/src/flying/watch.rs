@@ -111,6 +111,7 @@ impl Watch {
                     craft.present.hear_heading(at_s, f64::from(data.yaw));
                 }
             }
+            Message::VFR_HUD(data) => craft.present.hear_airspeed(now.as_secs_f64(), f64::from(data.airspeed)),
             Message::TIMESYNC(data) => {
                 if let Some(round_trip) = round_trip(data, now) {
                     craft.clock.round_trip(round_trip, now);
@@ -222,8 +223,7 @@ impl Watch {
     pub fn command(&mut self, vehicle: usize, decision: &Decision, now: Duration) -> Setpoint {
         let Some(craft) = self.crafts.get_mut(vehicle) else { return decision.setpoint };
         craft.present.command(now.as_secs_f64(), &decision.setpoint);
-        let speed_mps = decision.setpoint.speed_mps - craft.present.speed_bias_mps();
-        Setpoint { speed_mps, ..decision.setpoint }
+        Setpoint { speed_mps: craft.present.speed_to_send_mps(&decision.setpoint), ..decision.setpoint }
     }
 
     /// Compares what was foreseen with what was flown: states `step` apart after `start`, in flight time.
@@ -268,6 +268,8 @@ impl Watch {
                     "foreseen_error_along_m": foreseen.map(|[along_m, _]| along_m),
                     "foreseen_error_across_m": foreseen.map(|[_, across_m]| across_m),
                     "speed_bias_mps": craft.present.speed_bias_mps(),
+                    "wind_north_mps": craft.present.wind_mps().map(|wind| wind.x),
+                    "wind_east_mps": craft.present.wind_mps().map(|wind| wind.y),
                 })
             })
             .collect();
