@@ -71,6 +71,12 @@ pub enum Command {
     /// Writes the same folder as run.
     #[command(after_long_help = help::FLY)]
     Fly(FlyArgs),
+    /// Finds how vehicles answer their setpoints: Eq. 1 with gain and dead times, from a flight of steps or from a log.
+    ///
+    /// Flies turns, changes of speed and of altitude, each from rest, over one area; says how well Eq. 1 fits them and
+    /// where it does not, and writes an airframe file that scenarios name.
+    #[command(after_long_help = help::IDENTIFY)]
+    Identify(IdentifyArgs),
     /// Shows any autopilots that speak on a link, or telemetry logs, on a page in the browser. Flies nothing.
     ///
     /// Without a file it listens on UDP 14550, where autopilots send their telemetry by default.
@@ -199,6 +205,26 @@ pub struct StationArgs {
     /// what goes out is signed, and what is not signed with it is rejected.
     #[arg(long, value_name = "FILE")]
     pub signing_key: Option<PathBuf>,
+}
+
+/// `columba identify`.
+#[derive(Debug, Args)]
+pub struct IdentifyArgs {
+    /// Finds it in this log of MAVLink frames instead, as MAVProxy and fly write it (.tlog); nothing is flown.
+    #[arg(long, value_name = "FILE")]
+    pub tlog: Option<PathBuf>,
+    /// Vehicles turn back before they are further than this from where the steps began, in m; by default 75 s of flight
+    /// at the expected speed.
+    #[arg(long, value_name = "M", value_parser = area)]
+    pub area: Option<f64>,
+    /// As for fly.
+    #[command(flatten)]
+    pub fly: FlyArgs,
+}
+
+fn area(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "must be a number from 100 to 100000".to_owned())?;
+    if (100.0..=100_000.0).contains(&value) { Ok(value) } else { Err("must be a number from 100 to 100000".to_owned()) }
 }
 
 /// `columba view`.

@@ -3,7 +3,7 @@
 //! Lengths are metres in the scenario's local frame (X north, Y east), angles radians, times seconds since the start of
 //! the flight unless a name says otherwise.
 
-use flight_model::{Setpoint, State};
+use flight_model::{Dynamics, Setpoint, State};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// One flight, over: how it ended, where it flew, with which settings, and every tick of it.
@@ -17,6 +17,9 @@ pub struct Flight {
     pub settings: Vec<Setting>,
     /// Every tick.
     pub trajectory: Trajectory,
+    /// The model that the controller reckoned with: one entry for each vehicle, a single one for all, or none that is
+    /// known.
+    pub dynamics: Vec<Dynamics>,
 }
 
 /// The field that the flock crosses and the yardsticks it is judged by.

@@ -11,6 +11,7 @@ fn main() -> ExitCode {
         Command::Run(args) => commands::run(&cli, args),
         Command::Vehicles(args) => commands::vehicles(&cli, args),
         Command::Fly(args) => commands::fly(&cli, args),
+        Command::Identify(args) => commands::identify(&cli, args),
         Command::Recover(args) => commands::recover(&cli, args),
         Command::Compare(args) => commands::compare(&cli, args),
         Command::Share(args) => commands::share(&cli, args),

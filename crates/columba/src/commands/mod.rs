@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod fly;
+mod identify;
 mod manual;
 mod recover;
 mod run;
@@ -15,6 +16,7 @@ mod view;
 pub use check::check;
 pub use compare::compare;
 pub use fly::fly;
+pub use identify::identify;
 pub use manual::{completions, man};
 pub use recover::recover;
 pub use run::run;

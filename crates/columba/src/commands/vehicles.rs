@@ -86,7 +86,8 @@ fn with_planes(flags: &[Layer]) -> Vec<Layer> {
     if is_paper {
         return flags.to_vec();
     }
-    let airframe = format!("airframe = \"{PLANE}\"");
+    // Scripts lean on how these have always flown: by Eq. 1, to the last bit.
+    let airframe = format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\" }}");
     let number = if has_number { None } else { Some("vehicles.count = 5") };
     let layers = std::iter::once(airframe.as_str()).chain(number);
     let layers = layers.filter_map(|toml| Layer::of_flag("--airframe", "airframe", toml).ok());
