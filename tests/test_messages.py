@@ -20,7 +20,7 @@ PATIENCE_S = 30.0
 
 @pytest.fixture(params=["arduplane", "px4"])
 def craft(request, start_vehicles, scenario):
-    return start_vehicles(scenario(), "--personality", request.param, "--speed", 2).connect()[0]
+    return start_vehicles(scenario(), "--personality", request.param, "--speed", 5).connect()[0]
 
 
 def ask(craft, command, *params):

@@ -14,6 +14,7 @@ SHORT = PLANES | dict(duration_s=45.0)
 OWN = """
 [scenario]
 name = "own"
+duration_s = 60.0
 origin = {{ latitude_deg = {latitude}, longitude_deg = {longitude}, altitude_amsl_m = {altitude} }}
 [flock]
 expected_speed_mps = 20.0

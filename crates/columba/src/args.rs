@@ -71,11 +71,20 @@ pub enum Command {
     /// Writes the same folder as run.
     #[command(after_long_help = help::FLY)]
     Fly(FlyArgs),
+    /// Finds how vehicles answer their setpoints: Eq. 1 with gain and dead times, from a flight of steps or from a log.
+    ///
+    /// Flies turns, changes of speed and of altitude, each from rest, over one area; says how well Eq. 1 fits them and
+    /// where it does not, and writes an airframe file that scenarios name.
+    #[command(after_long_help = help::IDENTIFY)]
+    Identify(IdentifyArgs),
     /// Shows any autopilots that speak on a link, or telemetry logs, on a page in the browser. Flies nothing.
     ///
     /// Without a file it listens on UDP 14550, where autopilots send their telemetry by default.
     #[command(after_long_help = help::VIEW)]
     View(WatchArgs),
+    /// Draws a run's flight for others: a moving picture (APNG) and a still one, from its report.
+    #[command(after_long_help = help::SHARE)]
+    Share(ShareArgs),
     /// Makes the rest of a folder whose flight was cut off: summary, trajectory and report, from what was written while
     /// it flew.
     Recover(RecoverArgs),
@@ -198,6 +207,26 @@ pub struct StationArgs {
     pub signing_key: Option<PathBuf>,
 }
 
+/// `columba identify`.
+#[derive(Debug, Args)]
+pub struct IdentifyArgs {
+    /// Finds it in this log of MAVLink frames instead, as MAVProxy and fly write it (.tlog); nothing is flown.
+    #[arg(long, value_name = "FILE")]
+    pub tlog: Option<PathBuf>,
+    /// Vehicles turn back before they are further than this from where the steps began, in m; by default 75 s of flight
+    /// at the expected speed.
+    #[arg(long, value_name = "M", value_parser = area)]
+    pub area: Option<f64>,
+    /// As for fly.
+    #[command(flatten)]
+    pub fly: FlyArgs,
+}
+
+fn area(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "must be a number from 100 to 100000".to_owned())?;
+    if (100.0..=100_000.0).contains(&value) { Ok(value) } else { Err("must be a number from 100 to 100000".to_owned()) }
+}
+
 /// `columba view`.
 #[derive(Debug, Args)]
 pub struct WatchArgs {
@@ -213,6 +242,19 @@ pub struct WatchArgs {
     /// Where the page is: a port on this machine, 0 for any free one, or an address with a port.
     #[arg(long, value_name = "ADDRESS", default_value = "0")]
     pub view: String,
+}
+
+/// `columba share`.
+#[derive(Debug, Args)]
+pub struct ShareArgs {
+    /// The folder of the run, with its report.html; moving.png and still.png are written there.
+    pub folder: PathBuf,
+    /// Width of the pictures in pixels, 100 to 4000.
+    #[arg(long, value_name = "PX", default_value = "800", value_parser = clap::value_parser!(u32).range(100..=4000))]
+    pub width: u32,
+    /// How long the moving picture is, in seconds, 1 to 60; the whole flight is in it.
+    #[arg(long, value_name = "S", default_value = "8", value_parser = share_seconds)]
+    pub seconds: f64,
 }
 
 /// `columba recover`.
@@ -354,6 +396,10 @@ fn at_end() -> impl TypedValueParser<Value = AtEnd> {
     names.try_map(|name| {
         AtEnd::ALL.into_iter().find(|(known, _)| *known == name).map(|(_, end)| end).ok_or("no such end")
     })
+}
+
+fn share_seconds(text: &str) -> Result<f64, String> {
+    number(text, 1.0, 60.0)
 }
 
 fn patience(text: &str) -> Result<f64, String> {

@@ -70,6 +70,23 @@ says.
 Exit status: 0 flown without collision, 1 the flight failed (the reason is printed), 2 the arguments or a file are \
 wrong.";
 
+/// Of `columba identify`.
+pub const IDENTIFY: &str = "\
+Examples:
+  columba vehicles --count 1 & columba identify
+      a simulated plane, from rest at 20 m/s and 100 m; the airframe file is in runs/identify/
+  columba identify --link udpin:127.0.0.1:14550 --origin home
+      a real plane, from the ground on
+  columba identify field.toml --link udpin:127.0.0.1:14550
+      the vehicles of your own scenario, at its expected speed, course and altitude, without its obstacles
+  columba identify --tlog flight.tlog
+      from a log of commands and positions; the airframe files are written beside it
+
+It takes about five minutes and 1.5 km at 20 m/s. A scenario names the file: airframe = \"airframe-1.toml\".
+
+Exit status: 0 speed, course and altitude of every vehicle are known, 1 one is not (which is printed, and why), 2 the \
+arguments or a file are wrong.";
+
 /// Of `columba view`.
 pub const VIEW: &str = "\
 Examples:
@@ -85,6 +102,14 @@ Examples:
       two logs together, on a port of your choice
 
 The program prints the address of the page and runs until Ctrl-C.";
+
+/// Of `columba share`.
+pub const SHARE: &str = "\
+Examples:
+  columba share runs/paper
+      runs/paper/moving.png for a README or a talk, and runs/paper/still.png
+  columba share runs/paper --width 480 --seconds 5
+      smaller and shorter";
 
 /// Of `columba compare`.
 pub const COMPARE: &str = "\
@@ -164,7 +189,7 @@ mod tests {
     #[test]
     fn the_examples_are_command_lines() {
         let mut examples = 0;
-        for text in [RUN, VEHICLES, FLY, VIEW, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
+        for text in [RUN, VEHICLES, FLY, IDENTIFY, VIEW, SHARE, COMPARE, CHECK, SUITES, COMPLETIONS, MAN] {
             for line in text.lines().filter(|line| line.starts_with("  columba ")) {
                 // What the shell does with a command is not the program's.
                 let command = line.split(" > ").next().unwrap();

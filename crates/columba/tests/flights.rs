@@ -48,7 +48,7 @@ fn a_run_writes_what_it_promises_and_nothing_else() {
         "{said:?}"
     );
     assert!(!said.out.contains('\u{1b}') && !said.out.contains('\r'), "no terminal, no escapes: {said:?}");
-    let figures = ["alphas", "altitudes", "bank", "courses", "distances", "paths", "speeds"];
+    let figures = ["alphas", "altitudes", "bank", "courses", "distances", "paths", "prediction", "speeds"];
     let mut files: Vec<String> = figures
         .iter()
         .flat_map(|name| ["png", "svg"].map(|kind| format!("runs/small/figures/{name}.{kind}")))

@@ -1,12 +1,14 @@
 //! Airframes: what a vehicle of a kind can do, as constants of the flight model.
 
-use crate::{Dynamics, Limits, Response, TimeConstants};
+use crate::{Dynamics, Limits, PlantSettings, Response, TimeConstants};
 
 /// A kind of vehicle: how it flies, and how fast and how tightly it flies by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Airframe {
-    /// Constants of Eq. 1 and 3.
+    /// Constants of Eq. 1 and 3: what a controller reckons with, and how the vehicle flies where it has no plant.
     pub dynamics: Dynamics,
+    /// How it flies otherwise than by Eq. 1.
+    pub plant: Option<PlantSettings>,
     /// Its airspeed where nobody asks for another, m/s.
     pub cruise_speed_mps: f64,
     /// Radius of the circles that it flies by itself, m.
@@ -19,14 +21,14 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 impl Airframe {
     /// The paper's UAV (section 4): 5 to 15 m/s.
     pub fn paper() -> Self {
-        Self { dynamics: Dynamics::default(), cruise_speed_mps: 10.0, loiter_radius_m: 60.0 }
+        Self { dynamics: Dynamics::default(), plant: None, cruise_speed_mps: 10.0, loiter_radius_m: 60.0 }
     }
 
     /// The plane of ArduPilot's SITL with its default parameters: 10 to 30 m/s, cruise 22 m/s, banks of 65 degrees.
     ///
     /// The time constants were fitted to the steps of an ArduPlane 4.7 in GUIDED (course 10 and 45 degrees, speed 2
-    /// m/s, altitude 10 m). Two things Eq. 1 does not show: its speed loop overshoots, and its climb rate builds up
-    /// over seconds, so that it ends a climb of 50 m three seconds later.
+    /// m/s, altitude 10 m). What Eq. 1 does not show, its plant does: its speed loop overshoots, beyond 45 degrees it
+    /// turns twice as fast, and its climb rate builds up over seconds.
     pub fn plane() -> Self {
         Self {
             dynamics: Dynamics {
@@ -41,6 +43,7 @@ impl Airframe {
                 },
                 response: Response::default(),
             },
+            plant: Some(PlantSettings::plane()),
             cruise_speed_mps: 22.0,
             loiter_radius_m: 80.0,
         }
@@ -64,6 +67,7 @@ impl Airframe {
                 },
                 response: Response::default(),
             },
+            plant: Some(PlantSettings::px4_plane()),
             cruise_speed_mps: 15.0,
             loiter_radius_m: 80.0,
         }

@@ -43,6 +43,14 @@ pub fn speed_of_sound_mps(altitude_amsl_m: f64) -> f64 {
     (GAMMA * R_AIR * air_temperature_k(altitude_amsl_m)).sqrt()
 }
 
+/// True airspeed of an equivalent airspeed of one, at an altitude above mean sea level in m, in air that is warmer than
+/// the standard by so many K: the root of the ratio of densities.
+pub fn true_airspeed_ratio(altitude_amsl_m: f64, warmer_k: f64) -> f64 {
+    let temperature_k = air_temperature_k(altitude_amsl_m) + warmer_k;
+    let density_kgpm3 = air_pressure_pa(altitude_amsl_m) / (R_AIR * temperature_k);
+    (P0_PA / (R_AIR * T0_K) / density_kgpm3).sqrt()
+}
+
 /// Mach number of a true airspeed in m/s at an altitude above mean sea level in m.
 pub fn mach(true_airspeed_mps: f64, altitude_amsl_m: f64) -> f64 {
     true_airspeed_mps / speed_of_sound_mps(altitude_amsl_m)
@@ -59,6 +67,14 @@ mod tests {
         assert!((speed_of_sound_mps(1_000.0) - 336.434).abs() < 1e-2);
         assert!((speed_of_sound_mps(15_000.0) - 295.069).abs() < 1e-2);
         assert!((mach(340.294, 0.0) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn true_airspeed_grows_with_altitude_and_warmth() {
+        assert!((true_airspeed_ratio(0.0, 0.0) - 1.0).abs() < 1e-12);
+        assert!((true_airspeed_ratio(5_000.0, 0.0) - (1.225_f64 / 0.736_116).sqrt()).abs() < 1e-4);
+        // Measured on an ArduPlane in simulation, 684 m up: 1.065 to 1.0675.
+        assert!((true_airspeed_ratio(684.0, 18.0) - 1.066).abs() < 0.002);
     }
 
     // ISO 2533 tables by geopotential altitude: temperature in K, pressure in Pa, density in kg/m3.

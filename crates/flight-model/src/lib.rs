@@ -23,17 +23,23 @@ mod autopilot;
 mod dynamics;
 mod frame;
 mod gusts;
+mod plant;
 mod range;
 mod state;
 mod wind;
 
 pub use airframe::Airframe;
 pub use angle::wrap_pi;
-pub use atmosphere::{air_density_kgpm3, air_pressure_pa, air_temperature_k, mach, speed_of_sound_mps};
+pub use atmosphere::{
+    air_density_kgpm3, air_pressure_pa, air_temperature_k, mach, speed_of_sound_mps, true_airspeed_ratio,
+};
 pub use autopilot::Autopilot;
 pub use dynamics::{Dynamics, Limits, Response, TimeConstants};
 pub use frame::{Geodetic, LocalFrame};
 pub use gusts::Gusts;
+pub use plant::{
+    AltitudeLoopSettings, CourseLoopSettings, Delay, Plant, PlantSettings, SetpointDelay, SpeedLoopSettings,
+};
 pub use range::{Range, RangeError, Ranges};
 pub use state::{Setpoint, State, course_vector};
 pub use wind::Wind;

@@ -137,9 +137,13 @@ export class Stage {
     const [north, east] = [0, 1].map((k) => Math.round(camera.centre[k] / step) * step);
     const colour = wordOfCss(this.palette.line, 1);
     const grid = new Shapes(400);
+    // In 3-D a line in pieces: a piece that ends behind the camera is not drawn, but the rest of the line is.
+    const piece = camera.is3d ? step : 2 * reach;
     for (let offset = -reach; offset <= reach; offset += step) {
-      grid.corner(north - reach, east + offset, 0, colour); grid.corner(north + reach, east + offset, 0, colour);
-      grid.corner(north + offset, east - reach, 0, colour); grid.corner(north + offset, east + reach, 0, colour);
+      for (let from = -reach; from < reach; from += piece) {
+        grid.corner(north + from, east + offset, 0, colour); grid.corner(north + from + piece, east + offset, 0, colour);
+        grid.corner(north + offset, east + from, 0, colour); grid.corner(north + offset, east + from + piece, 0, colour);
+      }
     }
     this.painter.setShapes("grid", "lines", grid.used);
   }

@@ -125,6 +125,43 @@ pub fn encode(frame: &Frame, status: Option<Status<'_>>, number: u32, roster: u3
     out
 }
 
+/// Where vehicles are in a frame in bytes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Places {
+    /// Flight time, s.
+    pub time_s: f64,
+    /// North, east and altitude in m, and course in rad, of each vehicle; none where nobody knows.
+    pub vehicles: Vec<Option<[f32; 4]>>,
+}
+
+/// Reads where vehicles are; none if the bytes are no frame.
+pub fn places(bytes: &[u8]) -> Option<Places> {
+    let take = |at: usize| bytes.get(at..at + 8).and_then(|bytes| bytes.try_into().ok());
+    let double = |at: usize| take(at).map(f64::from_le_bytes);
+    let single = |at: usize| bytes.get(at..at + 4).and_then(|bytes| bytes.try_into().ok()).map(f32::from_le_bytes);
+    let count = bytes.get(4..8).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes)? as usize;
+    if bytes.first() != Some(&1) || bytes.len() < HEADER + count.checked_mul(6)? {
+        return None;
+    }
+    let fine = bytes[BITS_AT] & FINE != 0;
+    let (zero_m, unit_m, unit_up_m) = ([double(24)?, double(32)?, double(40)?], single(48)?, single(52)?);
+    let column = |column: usize, index: usize| -> Option<f32> {
+        let at = HEADER + 2 * (column * count + index);
+        bytes.get(at..at + 2).map(|pair| f32::from(u16::from_le_bytes([pair[0], pair[1]])))
+    };
+    let vehicle = |index: usize| {
+        let north = column(0, index).filter(|north| *north < f32::from(NONE))?;
+        let course_rad = if fine { column(3, index)? * TAU / 65_536.0 } else { 0.0 };
+        Some([
+            zero_m[0] as f32 + north * unit_m,
+            zero_m[1] as f32 + column(1, index)? * unit_m,
+            zero_m[2] as f32 + column(2, index)? * unit_up_m,
+            course_rad,
+        ])
+    };
+    Some(Places { time_s: double(8)?, vehicles: (0..count).map(vehicle).collect() })
+}
+
 /// Least and greatest.
 fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
     let (low, high) =
@@ -175,6 +212,12 @@ mod tests {
         assert_eq!(column(&bytes, 3, 3)[1], 49_152, "west is three quarters of a turn");
         assert_eq!(column(&bytes, 8, 3), [NONE, 1500, NONE]);
         assert_eq!(&bytes[bytes.len() - 3..], [0, 1, 2]);
+        let read = places(&bytes).unwrap();
+        assert_eq!((read.time_s, read.vehicles[2]), (12.5, None));
+        let [x_m, y_m, altitude_m, course_rad] = read.vehicles[1].unwrap();
+        assert!((x_m - 1900.0).abs() < 0.04 && (y_m - 900.0).abs() < 0.04 && (altitude_m - 50.0).abs() < 0.01);
+        assert!((course_rad - 0.75 * TAU).abs() < 1e-3);
+        assert_eq!(places(&bytes[..70]), None);
     }
 
     #[test]

@@ -132,11 +132,14 @@ fn a_page_gets_the_scene_the_roster_the_past_and_the_present() {
     feed.tell(Event { text: "the flock flies".into(), weight: Weight::Note, ..Event::default() });
     while !feed.update(flock(5)) {}
     let mut client = Client::open(&view);
-    assert!(client.text_with("\"scene\"").contains("\"title\":\"five\""));
-    assert!(client.text_with("\"numbers\"").contains("[1,2,3,4,5]"));
-    assert!(client.text_with("\"told\"").contains("the flock flies"));
-    let frame = client.frame();
-    assert_eq!((frame[0], u32::from_le_bytes(frame[4..8].try_into().unwrap())), (1, 5));
+    // The server may have looked before the feed was told: then what was there before comes first.
+    let mut missing = vec!["\"title\":\"five\"", "\"numbers\":[1,2,3,4,5]", "the flock flies", "five in a frame"];
+    while !missing.is_empty() {
+        let (kind, bytes) = client.next().expect("the server has hung up");
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let is_of_five = kind == 2 && bytes[0] == 1 && bytes[4..8] == 5_u32.to_le_bytes();
+        missing.retain(|wanted| if *wanted == "five in a frame" { !is_of_five } else { !text.contains(wanted) });
+    }
     drop(view);
     assert_eq!(client.text_with("over"), "{\"over\":true}");
 }
@@ -149,7 +152,7 @@ fn other_origins_and_forged_hosts_are_refused_and_counted() {
     assert_eq!(Client::upgrade(port, &own, Some("http://evil.example")).0, 403);
     assert_eq!(Client::upgrade(port, "evil.example", Some("http://evil.example")).0, 403);
     assert_eq!(Client::ask(port, "/", &format!("Host: evil.example:{port}\r\n")).0, 403);
-    assert_eq!(Client::ask(port, "/main.js", &format!("Host: {own}\r\nOrigin: null\r\n")).0, 403);
+    assert_eq!(Client::ask(port, "/live.js", &format!("Host: {own}\r\nOrigin: null\r\n")).0, 403);
     assert_eq!(Client::ask(port, "/", &format!("Host: localhost:{port}\r\n")).0, 200);
     assert_eq!(Client::ask(port, "/../Cargo.toml", &format!("Host: {own}\r\n")).0, 404);
     let refused = view.refused();

@@ -5,7 +5,7 @@ use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::file::{ParameterFile, Place};
 use crate::telemetry::rates::TelemetryRates;
-use flight_model::{Dynamics, Geodetic, LocalFrame, RangeError, Ranges, State};
+use flight_model::{Dynamics, Geodetic, LocalFrame, PlantSettings, RangeError, Ranges, State};
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -20,6 +20,8 @@ pub struct VehicleSettings {
     pub personality: Personality,
     /// Constants of Eq. 1 and 3.
     pub dynamics: Dynamics,
+    /// How it flies otherwise than by Eq. 1.
+    pub plant: Option<PlantSettings>,
     /// Integration step.
     pub step: Duration,
     /// Where and how it starts, in the air.
@@ -117,6 +119,7 @@ impl Default for VehicleSettings {
             component_id: 1,
             personality: Personality::default(),
             dynamics: Dynamics::default(),
+            plant: None,
             step: Duration::from_millis(10),
             start: State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() },
             on_ground: false,
@@ -175,6 +178,7 @@ impl VehicleSettings {
         ranges.within("start.speed_mps", self.start.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
         ranges.within("start.climb_mps", self.start.climb_mps, limits.climb_min_mps, limits.climb_max_mps);
         ranges.extend(self.dynamics.check());
+        ranges.extend(self.plant.iter().flat_map(PlantSettings::check));
         for (name, rate_hz) in self.rates.named() {
             ranges.within(name, rate_hz, 0.0, self.fastest_hz());
         }

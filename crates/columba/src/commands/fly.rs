@@ -6,7 +6,10 @@
 use super::{Failure, block_on, conclude, ground_port_refused, open_folder, start_threads, stop_on_signal};
 use crate::args::{Cli, FlyArgs};
 use crate::config::{self, GROUND_PORT, Scenario, SetpointDialect};
+use crate::flight::Flight;
 use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Progress, RealTime};
+use crate::identify::flight::StepFlight;
+use crate::record::RunFolder;
 use crate::station::frames::Origin;
 use crate::station::vehicle::Route;
 use crate::station::{self, Station, shell};
@@ -17,7 +20,7 @@ use mavlink_bridge::ImpairmentSettings;
 use mavlink_bridge::link::{Connection, HostPort, LinkSpec, Links, Peer, SigningKey};
 use sim_vehicle::NETWORK_VEHICLES_MAX;
 use std::net::SocketAddr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Flies the scenario with vehicles that run elsewhere and writes its folder.
@@ -46,7 +49,8 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
     let view = view::open(&args.view)?;
     if !by_tick_loop {
-        return from_the_ground(cli, args, scenario, addresses.unwrap_or_default(), view, stop);
+        let (folder, flight) = from_the_ground(cli, args, &scenario, addresses.unwrap_or_default(), None, view, stop)?;
+        return conclude_station(cli, &scenario, &folder, &flight, args);
     }
     if let Some(view) = &view {
         view.feed().scene(view::scene_of(&scenario, "columba fly"));
@@ -71,15 +75,38 @@ pub fn fly(cli: &Cli, args: &FlyArgs) -> Result<(), Failure> {
     conclude(cli, &scenario, &folder, &flight, log, !args.folder.no_report)
 }
 
+/// A flight of steps that has been flown.
+pub(super) struct Flown {
+    /// Where it is recorded.
+    pub folder: PathBuf,
+    /// Why it did not succeed.
+    pub failure: Option<String>,
+}
+
+/// Flies steps in the place of what a flock would decide, and writes the folder of the run.
+pub(super) fn steps(cli: &Cli, args: &FlyArgs, scenario: Scenario, steps: StepFlight) -> Result<Flown, Failure> {
+    let stop = stop_on_signal()?;
+    let view = view::open(&args.view)?;
+    let addresses = addresses(&scenario).unwrap_or_default();
+    let (folder, flight) = from_the_ground(cli, args, &scenario, addresses, Some(steps), view, stop)?;
+    let failure = match conclude_station(cli, &scenario, &folder, &flight, args) {
+        Ok(()) => None,
+        Err(Failure::Flight(why)) => Some(why),
+        Err(other) => return Err(other),
+    };
+    Ok(Flown { folder: folder.path().to_path_buf(), failure })
+}
+
 /// With the ground station.
 fn from_the_ground(
     cli: &Cli,
     args: &FlyArgs,
-    scenario: Scenario,
+    scenario: &Scenario,
     addresses: Vec<SocketAddr>,
+    steps: Option<StepFlight>,
     view: Option<LiveView>,
     stop: flying::Stop,
-) -> Result<(), Failure> {
+) -> Result<(RunFolder, Flight), Failure> {
     let wanted = scenario.starts.len();
     if let Some(ids) = args.station.systems.as_ref().filter(|ids| ids.len() != wanted) {
         return Err(anyhow!(
@@ -89,7 +116,7 @@ fn from_the_ground(
         .into());
     }
     let key = args.station.signing_key.as_deref().map(read_key).transpose()?;
-    let specs = links(args, &scenario, &addresses);
+    let specs = links(args, scenario, &addresses);
     let connections: Vec<Connection> = specs.iter().map(|spec| spec.connection.clone()).collect();
     let calls = specs
         .iter()
@@ -100,10 +127,10 @@ fn from_the_ground(
         })
         .collect();
     let links = Links::open(specs).map_err(|error| match args.station.link.is_empty() {
-        true => ground_port_refused(&scenario, error),
+        true => ground_port_refused(scenario, error),
         false => anyhow!("--link {error}"),
     })?;
-    let folder = open_folder(&scenario, &args.folder)?;
+    let folder = open_folder(scenario, &args.folder)?;
     let patience = Duration::from_secs_f64(args.station.patience);
     let settings = station::Settings {
         at_end: args.station.at_end,
@@ -116,13 +143,14 @@ fn from_the_ground(
         links: connections.iter().map(ToString::to_string).collect(),
         capacities: connections.iter().map(Connection::capacity_bytes_per_s).collect(),
         calls,
+        steps,
     };
     let started = Instant::now();
     let station = Station::new(scenario.clone(), settings, Box::new(move || started.elapsed()));
-    let view = view.map(|view| StationView::new(view, &scenario));
+    let view = view.map(|view| StationView::new(view, scenario));
     let around = shell::Surroundings { links, connections, key, speed: args.speed, quiet: cli.quiet, view };
     let flight = block_on(shell::run(station, around, folder.path(), stop))?;
-    conclude_station(cli, &scenario, &folder, &flight, args)
+    Ok((folder, flight))
 }
 
 fn conclude_station(

@@ -86,7 +86,8 @@ fn with_planes(flags: &[Layer]) -> Vec<Layer> {
     let mut layers = Vec::new();
     let mut lay = |key: &str, toml: &str| layers.extend(Layer::of_flag("--airframe", key, toml).ok());
     if !is_paper {
-        lay("airframe", &format!("airframe = \"{PLANE}\""));
+        // Scripts lean on how these have always flown: by Eq. 1, to the last bit.
+        lay("airframe", &format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\" }}"));
         if !has_number {
             lay("vehicles.count", "vehicles.count = 5");
         }

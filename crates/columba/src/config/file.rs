@@ -1,6 +1,7 @@
 //! A scenario file as it is written: one struct for each table, with the defaults of what it leaves out.
 
 use super::airframe::AirframeKey;
+use super::fleet::AirframesTable;
 use super::obstacles::{ObstacleTable, ObstaclesTable};
 use super::parameters::ParametersTable;
 use super::swarm::Place;
@@ -51,6 +52,9 @@ pub struct ScenarioFile {
     /// What the dynamics start from; the paper's where absent.
     #[serde(default)]
     pub airframe: Option<AirframeKey>,
+    /// Airframes of single vehicles.
+    #[serde(default)]
+    pub airframes: Vec<AirframesTable>,
     /// How vehicles fly (Eq. 1 and 3).
     #[serde(default)]
     pub dynamics: DynamicsTable,
@@ -169,7 +173,7 @@ pub struct FlockTable {
 }
 
 /// One vehicle's start, in the air.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleTable {
     /// North of the origin, m.
@@ -183,6 +187,9 @@ pub struct VehicleTable {
     /// Degrees from north towards east.
     #[serde(default)]
     pub course_deg: f64,
+    /// Its own airframe; that of all where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub airframe: Option<AirframeKey>,
 }
 
 /// Many vehicles' starts.
@@ -302,13 +309,23 @@ pub struct DynamicsTable {
     pub lateral_overload_max: f64,
     /// g, m/s2.
     pub gravity_mps2: f64,
+    /// Ground speed that the speed loop settles on, as a share of its setpoint.
+    pub speed_gain: f64,
+    /// A new speed setpoint acts after this, s.
+    pub speed_dead_time_s: f64,
+    /// A new course setpoint acts after this, s.
+    pub course_dead_time_s: f64,
+    /// A new altitude setpoint acts after this, s.
+    pub altitude_dead_time_s: f64,
+    /// Speed at which tau_chi is as above; it grows in proportion to speed. 0: it is the same at every speed.
+    pub course_reference_speed_mps: f64,
     /// Step of the integration, s, at which flights are judged too.
     pub integration_step_s: f64,
 }
 
 impl Default for DynamicsTable {
     fn default() -> Self {
-        let flight_model::Dynamics { time_constants, limits, .. } = flight_model::Dynamics::default();
+        let Dynamics { time_constants, limits, response } = Dynamics::default();
         Self {
             speed_time_constant_s: time_constants.speed_s,
             course_time_constant_s: time_constants.course_s,
@@ -320,6 +337,11 @@ impl Default for DynamicsTable {
             climb_max_mps: limits.climb_max_mps,
             lateral_overload_max: limits.lateral_overload_max,
             gravity_mps2: limits.gravity_mps2,
+            speed_gain: response.speed_gain,
+            speed_dead_time_s: response.speed_dead_time_s,
+            course_dead_time_s: response.course_dead_time_s,
+            altitude_dead_time_s: response.altitude_dead_time_s,
+            course_reference_speed_mps: response.course_reference_speed_mps.unwrap_or(0.0),
             integration_step_s: 0.01,
         }
     }
@@ -343,7 +365,13 @@ impl DynamicsTable {
                 lateral_overload_max: self.lateral_overload_max,
                 gravity_mps2: self.gravity_mps2,
             },
-            response: Response::default(),
+            response: Response {
+                speed_gain: self.speed_gain,
+                speed_dead_time_s: self.speed_dead_time_s,
+                course_dead_time_s: self.course_dead_time_s,
+                altitude_dead_time_s: self.altitude_dead_time_s,
+                course_reference_speed_mps: Some(self.course_reference_speed_mps).filter(|speed_mps| *speed_mps != 0.0),
+            },
         }
     }
 }

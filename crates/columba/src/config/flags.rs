@@ -70,6 +70,7 @@ const FLAG: Flag = Flag {
 
 const RUN: &str = "run";
 const FLY: &str = "fly";
+const IDENTIFY: &str = "identify";
 const VEHICLES: &str = "vehicles";
 const COMPARE: &str = "compare";
 
@@ -81,14 +82,14 @@ const FLAGS: &[Flag] = &[
         kind: Kind::Choice(preset_names),
         value: "NAME",
         help: "Which reading of the paper to start from; keys that the file sets change it",
-        commands: &[RUN, FLY, COMPARE],
+        commands: &[RUN, FLY, IDENTIFY, COMPARE],
         ..FLAG
     },
     Flag {
         name: "seed",
         key: "scenario.seed",
         help: "Seed of every random number",
-        commands: &[RUN, FLY, VEHICLES],
+        commands: &[RUN, FLY, IDENTIFY, VEHICLES],
         ..FLAG
     },
     Flag {
@@ -97,7 +98,7 @@ const FLAGS: &[Flag] = &[
         kind: Kind::Choice(algorithm_keys),
         value: "NAME",
         help: "The optimiser that picks the weights",
-        commands: &[RUN, FLY],
+        commands: &[RUN, FLY, IDENTIFY],
         ..FLAG
     },
     Flag {
@@ -105,7 +106,7 @@ const FLAGS: &[Flag] = &[
         key: "scenario.duration_s",
         value: "S",
         help: "Flight time in seconds; the last control period is flown whole",
-        commands: &[RUN, FLY],
+        commands: &[RUN, FLY, IDENTIFY],
         ..FLAG
     },
     Flag {
@@ -116,7 +117,7 @@ const FLAGS: &[Flag] = &[
         value: "FOLDER",
         help: "Folder of the run, new or empty; default: runs/ and the scenario's name, with a number if that is not \
                empty",
-        commands: &[RUN, FLY],
+        commands: &[RUN, FLY, IDENTIFY],
         ..FLAG
     },
     Flag {
@@ -205,7 +206,7 @@ const FLAGS: &[Flag] = &[
         value: "ADDRESS",
         help: "IP address of this machine to which all sockets bind; 0.0.0.0 is all of them, for clients on other \
                machines",
-        commands: &[RUN, FLY, VEHICLES],
+        commands: &[RUN, FLY, IDENTIFY, VEHICLES],
         ..FLAG
     },
     Flag {
@@ -231,7 +232,7 @@ const FLAGS: &[Flag] = &[
         value: "PORT",
         help: "First UDP port of the vehicles: the controller greets them there, instead of waiting for their \
                telemetry",
-        commands: &[FLY],
+        commands: &[FLY, IDENTIFY],
         ..FLAG
     },
     Flag {
@@ -246,7 +247,7 @@ const FLAGS: &[Flag] = &[
         key: "link.ground_port",
         value: "PORT",
         help: "UDP port of the controller; 0: any free port. Default: 14550 for fly, any free port for run",
-        commands: &[RUN, FLY],
+        commands: &[RUN, FLY, IDENTIFY],
         ..FLAG
     },
     Flag {
@@ -299,7 +300,7 @@ const FLAGS: &[Flag] = &[
         key: "link.loss",
         value: "SHARE",
         help: "Share of datagrams lost each way, 0 to 0.95",
-        commands: &[RUN, FLY, VEHICLES],
+        commands: &[RUN, FLY, IDENTIFY, VEHICLES],
         ..FLAG
     },
 ];

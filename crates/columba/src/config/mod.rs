@@ -12,6 +12,7 @@ mod diagnostics;
 mod fault;
 mod file;
 pub mod flags;
+mod fleet;
 mod layer;
 mod locate;
 mod obstacles;
@@ -50,6 +51,15 @@ pub const PAPER_NAME: &str = "config/paper.toml (built in)";
 /// One [`ConfigError`] that names every fault by file, line, key, value and what would be right, or by its layer.
 pub fn load(path: Option<&Path>, over: &[Layer]) -> Result<Scenario, ConfigError> {
     parse(&source_of(path)?, over)
+}
+
+/// Reads and checks the scenario of `columba identify` where no file is named, with layers over it.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_identify(over: &[Layer]) -> Result<Scenario, ConfigError> {
+    const IDENTIFY: &str = include_str!("../../../../config/identify.toml");
+    parse(&Source::new("config/identify.toml (built in)", IDENTIFY), over)
 }
 
 /// What the topmost of some layers has for a key, as it is written.
@@ -123,6 +133,9 @@ fn read(provenance: &Provenance, faults: &mut Faults) -> Option<ScenarioFile> {
     }
     if let Some(Err(message)) = provenance.airframe(&file) {
         faults.add_placed([(0, message)]);
+    }
+    if let Err(messages) = fleet::airframes(&file, provenance) {
+        faults.add_placed(messages.into_iter().map(|message| (0, message)));
     }
     check::tables(&file, faults);
     Some(file)

@@ -4,7 +4,7 @@ use super::file::{AutopilotTable, Preset, ScenarioFile, SetpointDialect};
 use super::{Provenance, patterns};
 use crate::flying::GroundSettings;
 use controller::{ControllerSettings, Expected, FlockSettings, Obstacle};
-use flight_model::{Dynamics, Geodetic, LocalFrame, State};
+use flight_model::{Airframe, Dynamics, Geodetic, LocalFrame, PlantSettings, State};
 use mavlink_bridge::{ImpairmentSettings, MulticastScope};
 use optimizer::OptimizerSettings;
 use sim_vehicle::{ParameterFile, PortLayout};
@@ -36,8 +36,12 @@ pub struct Scenario {
     pub starts: Vec<State>,
     /// The circles.
     pub obstacles: Vec<Obstacle>,
-    /// How vehicles fly.
+    /// How vehicles fly by Eq. 1: what the controller reckons with.
     pub dynamics: Dynamics,
+    /// How simulated vehicles fly otherwise than by Eq. 1.
+    pub plant: Option<PlantSettings>,
+    /// The airframe of each vehicle that has one of its own; empty where none has.
+    pub airframes: Vec<Option<Airframe>>,
     /// Law, weights and look-ahead.
     pub controller: ControllerSettings,
     /// Who picks the weights, and how.
@@ -118,6 +122,8 @@ impl Scenario {
             }),
             expected,
             dynamics: file.dynamics.dynamics(),
+            plant: provenance.airframe(&file).and_then(Result::ok).and_then(|airframe| airframe.plant),
+            airframes: super::fleet::airframes(&file, &provenance).unwrap_or_default(),
             controller: ControllerSettings { law: file.law, weights: file.weights, look_ahead: file.look_ahead },
             optimizer: file.optimizer,
             autopilot: file.autopilot,
@@ -147,6 +153,29 @@ impl Scenario {
         u64::try_from(duration.div_ceil(period)).unwrap_or(u64::MAX)
     }
 
+    /// The airframe of a vehicle that has one of its own.
+    pub fn airframe_of(&self, index: usize) -> Option<&Airframe> {
+        self.airframes.get(index).and_then(Option::as_ref)
+    }
+
+    /// How a vehicle flies by Eq. 1: what the controller reckons with.
+    pub fn dynamics_of(&self, index: usize) -> Dynamics {
+        self.airframe_of(index).map_or(self.dynamics, |own| own.dynamics)
+    }
+
+    /// How a simulated vehicle flies otherwise than by Eq. 1.
+    pub fn plant_of(&self, index: usize) -> Option<PlantSettings> {
+        self.airframe_of(index).map_or(self.plant, |own| own.plant)
+    }
+
+    /// One for all, or one for each vehicle where some have their own.
+    fn flock_dynamics(&self) -> Vec<Dynamics> {
+        if self.airframes.is_empty() {
+            return vec![self.dynamics];
+        }
+        (0..self.starts.len()).map(|index| self.dynamics_of(index)).collect()
+    }
+
     /// The flock that flies it.
     pub fn flock_settings(&self) -> FlockSettings {
         FlockSettings {
@@ -156,7 +185,7 @@ impl Scenario {
             control_period_s: self.control_period.as_secs_f64(),
             expected: self.expected,
             obstacles: self.obstacles.clone(),
-            dynamics: vec![self.dynamics],
+            dynamics: self.flock_dynamics(),
         }
     }
 }

@@ -152,7 +152,8 @@ impl Recorder {
             station: serde_json::Value::Null,
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
-        Flight { summary, field: field(scenario), settings: settings(scenario), trajectory: self.trajectory }
+        let dynamics = scenario.flock_settings().dynamics;
+        Flight { summary, field: field(scenario), settings: settings(scenario), trajectory: self.trajectory, dynamics }
     }
 
     /// By nearest rank, of the sorted solves.

@@ -61,7 +61,8 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         number: index as u64,
         system_id: system_id(index),
         personality: autopilot.personality,
-        dynamics: scenario.dynamics,
+        dynamics: scenario.dynamics_of(index),
+        plant: scenario.plant_of(index),
         step: scenario.integration_step,
         start: *start,
         frame: scenario.frame,
@@ -69,8 +70,10 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         on_ground: autopilot.on_ground,
         rates: autopilot.rates(),
         setpoint_timeout_s: autopilot.setpoint_timeout_s,
-        loiter_radius_m: autopilot.loiter_radius_m,
-        cruise_speed_mps: autopilot.cruise_speed_mps,
+        loiter_radius_m: scenario.airframe_of(index).map_or(autopilot.loiter_radius_m, |own| own.loiter_radius_m),
+        cruise_speed_mps: scenario
+            .airframe_of(index)
+            .map_or(autopilot.cruise_speed_mps, |own| Some(own.cruise_speed_mps)),
         files_shape_limits: scenario.files_shape_limits,
         clock_epoch_us,
         ground,

@@ -55,6 +55,7 @@ struct Craft {
 struct Timing {
     ticks: u64,
     late: u64,
+    /// Decisions that were made only after the next one was due.
     missed: u64,
     /// Looks at the vehicles before the delays of all links were known.
     without_delay: u64,
@@ -111,6 +112,7 @@ impl Watch {
                     craft.present.hear_heading(at_s, f64::from(data.yaw));
                 }
             }
+            Message::VFR_HUD(data) => craft.present.hear_airspeed(now.as_secs_f64(), f64::from(data.airspeed)),
             Message::TIMESYNC(data) => {
                 if let Some(round_trip) = round_trip(data, now) {
                     craft.clock.round_trip(round_trip, now);
@@ -210,20 +212,15 @@ impl Watch {
         timing.worst_late_s = timing.worst_late_s.max(late_s);
         let is_late = late_s > LATE_SHARE * self.period_s;
         timing.late += u64::from(is_late);
+        timing.missed += u64::from(late_s > self.period_s);
         is_late.then_some(late_s)
-    }
-
-    /// Ticks that were passed over, because their time had gone by.
-    pub fn missed(&mut self, ticks: u64) {
-        self.timing.missed += ticks;
     }
 
     /// A command is sent at flight time `now`; gives the setpoint that is to go out for what is wanted.
     pub fn command(&mut self, vehicle: usize, decision: &Decision, now: Duration) -> Setpoint {
         let Some(craft) = self.crafts.get_mut(vehicle) else { return decision.setpoint };
         craft.present.command(now.as_secs_f64(), &decision.setpoint);
-        let speed_mps = decision.setpoint.speed_mps - craft.present.speed_bias_mps();
-        Setpoint { speed_mps, ..decision.setpoint }
+        Setpoint { speed_mps: craft.present.speed_to_send_mps(&decision.setpoint), ..decision.setpoint }
     }
 
     /// Compares what was foreseen with what was flown: states `step` apart after `start`, in flight time.
@@ -268,6 +265,8 @@ impl Watch {
                     "foreseen_error_along_m": foreseen.map(|[along_m, _]| along_m),
                     "foreseen_error_across_m": foreseen.map(|[_, across_m]| across_m),
                     "speed_bias_mps": craft.present.speed_bias_mps(),
+                    "wind_north_mps": craft.present.wind_mps().map(|wind| wind.x),
+                    "wind_east_mps": craft.present.wind_mps().map(|wind| wind.y),
                 })
             })
             .collect();

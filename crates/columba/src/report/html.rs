@@ -2,23 +2,20 @@
 
 use super::{
     Figure,
-    data::replay_json,
     key_figures::{Ending, headline, key_figures, link_figures},
+    replay::{recording, stride},
     svg::escape,
 };
 use crate::flight::Flight;
 
 const PAGE: &str = include_str!("../../assets/report.html");
-const REPLAY: &str = include_str!("../../assets/replay.html");
 /// How a page looks.
 pub const CSS: &str = include_str!("../../assets/report.css");
-const JS: &str = include_str!("../../assets/report.js");
 
 /// The whole page. Download links lead to the figures' files beside it.
 pub fn page(flight: &Flight, figures: &[Figure]) -> Result<String, serde_json::Error> {
     let summary = &flight.summary;
     let (status, status_class) = Ending::of(summary).label();
-    let (data, stride) = replay_json(flight)?;
     let subtitle = format!(
         "Scenario {}, seed {}; {} with the {} preset; transport: {}",
         summary.scenario, summary.seed, summary.algorithm, summary.preset, summary.transport
@@ -28,19 +25,17 @@ pub fn page(flight: &Flight, figures: &[Figure]) -> Result<String, serde_json::E
         &[
             ("title", &escape(&format!("{}: {}", summary.scenario, headline(summary)))),
             ("css", CSS),
-            ("js", JS),
             ("status", status),
             ("status-class", status_class),
             ("headline", &escape(&headline(summary))),
             ("subtitle", &escape(&subtitle)),
             ("key-figures", &key_figure_list(flight)),
-            ("replay", &replay(flight, stride)),
+            ("replay", &replay(flight)?),
             ("figures", &figures.iter().map(figure).collect::<String>()),
             ("safe-distance", &flight.field.safe_distance_m.to_string()),
             ("collision-distance", &flight.field.collision_distance_m.to_string()),
             ("settings", &settings(flight)),
             ("version", &escape(&summary.version)),
-            ("data", &data),
         ],
     ))
 }
@@ -53,15 +48,17 @@ fn key_figure_list(flight: &Flight) -> String {
     key_figures(flight).into_iter().map(item).collect()
 }
 
-fn replay(flight: &Flight, stride: usize) -> String {
+/// The page of the live view, in a frame of its own.
+fn replay(flight: &Flight) -> Result<String, serde_json::Error> {
     if flight.trajectory.ticks.is_empty() {
-        return "  <p>The flight ended before its first tick: there is nothing to replay.</p>".to_owned();
+        return Ok("  <p>The flight ended before its first tick: there is nothing to replay.</p>".to_owned());
     }
-    let thinned = match stride {
+    let page = escape(&live_view::assets::page_of(&recording(flight))?);
+    let thinned = match stride(flight) {
         1 => String::new(),
-        stride => format!(" The flight is long: the replay has one of every {stride} ticks."),
+        stride => format!("\n  <p class=\"sub\">The flight is long: the replay has one of every {stride} ticks.</p>"),
     };
-    fill(REPLAY, &[("thinned", &thinned)])
+    Ok(format!("  <iframe title=\"Replay\" class=\"replay\" srcdoc=\"{page}\"></iframe>{thinned}"))
 }
 
 fn figure(Figure { name, title, caption, svg }: &Figure) -> String {
@@ -126,6 +123,15 @@ mod tests {
         page(flight, &figures::all(flight)).unwrap()
     }
 
+    /// The page without the frames of the replay, which may spell anything, and its script, which names what is no
+    /// number.
+    fn without_script(page: &str) -> String {
+        match (page.find("&lt;script type=&quot;text/plain"), page.rfind("&lt;/script&gt;")) {
+            (Some(from), Some(to)) => page[..from].to_owned() + &page[to..],
+            _ => page.to_owned(),
+        }
+    }
+
     #[test]
     fn every_placeholder_is_filled_once_and_values_are_not_searched() {
         assert_eq!(fill("a {{x}} b {{y}}", &[("x", "{{y}}"), ("y", "2")]), "a {{y}} b 2");
@@ -144,8 +150,9 @@ mod tests {
         flight.settings = vec![Setting { name: evil.into(), value: evil.into() }];
         let page = page_of(&flight);
         assert!(!page.contains("alert('1')"));
-        assert_eq!(page.matches("<script").count(), 2);
-        assert_eq!(page.matches("</script>").count(), 2);
+        // The replay is a page within an attribute.
+        assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (0, 0));
+        assert_eq!(page.matches("&lt;/script&gt;\n").count(), 3);
         assert!(page.contains("&lt;/script&gt;&lt;script&gt;alert(&#39;1&#39;)"));
     }
 
@@ -163,8 +170,11 @@ mod tests {
         for (vehicles, obstacles, ticks) in [(0, 0, 0), (5, 7, 0), (1, 0, 1), (1, 0, 5), (2, 1, 1)] {
             let page = page_of(&sample::flight(vehicles, obstacles, ticks));
             assert!(page.ends_with("</html>\n"));
-            assert_eq!(page.contains("id=\"stage\""), ticks > 0);
-            assert!(!page.contains("NaN") && !page.contains("inf"), "{vehicles} {obstacles} {ticks}");
+            assert_eq!(page.contains("id=&quot;stage&quot;"), ticks > 0);
+            assert!(
+                !without_script(&page).contains("NaN") && !without_script(&page).contains("inf"),
+                "{vehicles} {obstacles} {ticks}"
+            );
         }
     }
 

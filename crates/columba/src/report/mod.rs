@@ -1,11 +1,11 @@
 //! The report of a flight: `report.html`, which stands alone, and its figures as SVG and PNG.
 
 pub(crate) mod chart;
-mod data;
 pub mod figures;
 mod html;
 mod key_figures;
 mod png;
+mod replay;
 #[cfg(test)]
 pub(crate) mod sample;
 pub(crate) mod svg;

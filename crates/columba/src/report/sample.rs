@@ -37,7 +37,7 @@ pub fn flight(vehicles: usize, obstacles: usize, ticks: usize) -> Flight {
     let field = Field { obstacles, expected, safe_distance_m: 5.0, collision_distance_m: 1.0 };
     let settings = [("optimizer.algorithm", "mslpio"), ("law.alpha", "per-term"), ("law.look_ahead_s", "3")];
     let settings = settings.map(|(name, value)| Setting { name: name.into(), value: value.into() }).into();
-    Flight { summary: summary(&field, &trajectory), field, settings, trajectory }
+    Flight { summary: summary(&field, &trajectory), field, settings, trajectory, dynamics: Vec::new() }
 }
 
 fn start(vehicle: usize, vehicles: usize) -> State {

@@ -3,7 +3,7 @@
 
 use super::gather::Gather;
 use super::told::Weight;
-use super::{Phase, Station, end, gather_phase, number};
+use super::{Phase, Station, end, gather_phase, handover, number};
 use flight_model::State;
 use mavlink_bridge::kind::{AutopilotKind, Launch};
 use std::time::Duration;
@@ -43,6 +43,10 @@ impl TakeOff {
         gather_phase::steer(&mut self.gather, station, &flying, now);
         let ours = station.crew().filter(|&index| station.vehicles[index].is_ours());
         let waiting: Vec<usize> = ours.filter(|&index| !self.flying[index]).collect();
+        if waiting.is_empty() && station.settings.steps.is_some() && station.crew().len() == 1 {
+            // One vehicle flies its steps from where it is.
+            return Phase::HandOver(handover::HandOver::new(now));
+        }
         if waiting.is_empty() {
             self.gather.hold(false);
             return Phase::Gather(gather_phase::GatherPhase::new(self.gather, now));

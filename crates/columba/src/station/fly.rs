@@ -8,6 +8,7 @@ use super::track::velocity_mps;
 use super::vehicle::Vehicle;
 use super::{Phase, STALE_S, Station, end, number};
 use crate::flight::{Row, Tick, Trajectory};
+use crate::identify::flight::StepFlight;
 use controller::{Decision, Flock, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Setpoint, State};
 use mavlink_bridge::kind::{AtEnd, AutopilotKind};
@@ -53,6 +54,8 @@ pub struct Fly {
     /// By how much the latest decision was late, s.
     pub worst_late_s: f64,
     flock: Option<Flock>,
+    /// What is flown in the place of what the flock would decide.
+    steps: Option<StepFlight>,
     members: Vec<usize>,
     tick: u64,
     next: Duration,
@@ -94,6 +97,7 @@ impl Fly {
             late_ticks: 0,
             worst_late_s: 0.0,
             flock: None,
+            steps: station.settings.steps.clone(),
             members: Vec::new(),
             tick: 0,
             next: now,
@@ -136,7 +140,8 @@ impl Fly {
     pub(super) fn step(mut self: Box<Self>, station: &mut Station, now: Duration) -> Phase {
         station.watch_modes(self.is_paused(), now);
         self.obey(station, now);
-        let is_over = self.tick >= station.scenario.ticks() && now >= self.next;
+        let are_steps_over = self.steps.as_ref().is_some_and(StepFlight::is_over);
+        let is_over = (self.tick >= station.scenario.ticks() || are_steps_over) && now >= self.next;
         let nobody = station.crew().all(|index| !station.vehicles[index].is_ours());
         if nobody {
             station.stop("no vehicle is left to fly", false);
@@ -200,7 +205,13 @@ impl Fly {
         flock.set_obstacles(obstacles);
         flock.set_margins(&margins_m);
         flock.set_reference_speeds(&reference_speeds_mps);
-        let decisions: Vec<Decision> = flock.tick(self.tick, &states, station.clock()).to_vec();
+        let decisions: Vec<Decision> = match (&mut self.steps, states.first()) {
+            (Some(steps), Some(first)) => {
+                let setpoint = steps.setpoint(now.saturating_sub(self.began).as_secs_f64(), first);
+                vec![Decision { setpoint, ..Decision::default() }; states.len()]
+            }
+            _ => flock.tick(self.tick, &states, station.clock()).to_vec(),
+        };
         let mut rows = vec![None; self.trajectory.vehicles];
         let mut solve_us = 0.0;
         for (&index, decision) in self.members.iter().zip(&decisions) {

@@ -28,6 +28,7 @@ pub mod track;
 pub mod vehicle;
 
 use crate::config::Scenario;
+use crate::identify::flight::StepFlight;
 use controller::Obstacle;
 use flight_model::{Limits, LocalFrame, Setpoint, State};
 use frames::Origin;
@@ -75,6 +76,8 @@ pub struct Settings {
     pub capacities: Vec<Option<f64>>,
     /// Ways to speak before anybody was heard.
     pub calls: Vec<Route>,
+    /// Steps that are flown in the place of what a flock would decide.
+    pub steps: Option<StepFlight>,
 }
 
 /// Messages for a route.

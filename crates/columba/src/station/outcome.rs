@@ -87,7 +87,8 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
         }),
         ..planned(&station)
     };
-    Flight { field: field(scenario), settings: settings(scenario), summary, trajectory }
+    let dynamics = scenario.flock_settings().dynamics;
+    Flight { field: field(scenario), settings: settings(scenario), summary, trajectory, dynamics }
 }
 
 /// What is known of a flight before it: the header of its journal.

@@ -10,6 +10,7 @@
 mod commands;
 mod error;
 mod speed;
+mod wind;
 
 use commands::Commands;
 use error::PredictionError;
@@ -17,6 +18,7 @@ use flight_model::{Autopilot, Dynamics, Setpoint, State, course_vector, wrap_pi}
 use nalgebra::{Matrix2, Vector2};
 use speed::SpeedObserver;
 use std::collections::VecDeque;
+use wind::WindEstimate;
 
 /// Step of the model, s.
 const STEP_S: f64 = 0.01;
@@ -91,6 +93,7 @@ pub struct Present {
     headings: VecDeque<(f64, f64)>,
     speed: SpeedObserver,
     holds_ground_speed: bool,
+    wind: WindEstimate,
     /// Squares of the residuals of course and speed, slowly averaged.
     residuals: [f64; 2],
     /// Time between two states, slowly averaged, s.
@@ -117,6 +120,7 @@ impl Present {
             headings: VecDeque::new(),
             speed: SpeedObserver::default(),
             holds_ground_speed: false,
+            wind: WindEstimate::default(),
             residuals: RESIDUAL_MIN.map(|least| least * least),
             interval_s: 0.1,
             error: PredictionError::default(),
@@ -182,6 +186,30 @@ impl Present {
                 self.headings.pop_front();
             }
         }
+    }
+
+    /// Takes an airspeed (m/s), heard at a time; with the last state and heading it tells the wind.
+    pub fn hear_airspeed(&mut self, heard_s: f64, airspeed_mps: f64) {
+        if let (Some(fix), Some(&(_, heading_rad))) = (self.fix, self.headings.back())
+            && airspeed_mps.is_finite()
+        {
+            self.wind.hear(heard_s, &fix.state, airspeed_mps, heading_rad);
+        }
+    }
+
+    /// The wind (north, east) as the vehicle's own measurements tell it, m/s; none before an airspeed was heard.
+    pub fn wind_mps(&self) -> Option<Vector2<f64>> {
+        self.wind.velocity_mps()
+    }
+
+    /// The speed to be sent for a wanted setpoint, m/s: over ground for vehicles that hold that, else the airspeed in
+    /// the wind of now less the slow bias, within what the vehicle takes.
+    pub fn speed_to_send_mps(&self, wanted: &Setpoint) -> f64 {
+        if self.holds_ground_speed {
+            return wanted.speed_mps;
+        }
+        let limits = self.dynamics.limits;
+        (self.wind.airspeed_mps(wanted) - self.speed_bias_mps()).clamp(limits.speed_min_mps, limits.speed_max_mps)
     }
 
     /// Forgets where it was: its clock began anew.

@@ -125,7 +125,7 @@ impl Instruments<'_> {
         if !self.flight.is_engine_running() {
             return 0.0;
         }
-        let share = || self.flight.airspeed_mps() / self.flight.limits().speed_max_mps;
+        let share = || self.flight.equivalent_airspeed_mps() / self.flight.limits().speed_max_mps;
         let set = self.flight.attitude().and_then(|attitude| attitude.throttle);
         set.unwrap_or_else(share).clamp(0.0, 1.0)
     }
@@ -376,7 +376,7 @@ impl Instruments<'_> {
             heading: half_degrees(self.flight.heading_rad()),
             target_heading: half_degrees(aim.course_rad),
             throttle: (100.0 * self.throttle()).round() as u8,
-            airspeed: fifths(self.flight.airspeed_mps()),
+            airspeed: fifths(self.flight.equivalent_airspeed_mps()),
             airspeed_sp: fifths(aim.airspeed_mps),
             groundspeed: fifths(state.speed_mps),
             windspeed: fifths(wind.speed_mps()),

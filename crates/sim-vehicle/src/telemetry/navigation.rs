@@ -107,7 +107,7 @@ impl Instruments<'_> {
             target_bearing: degrees(bearing_rad),
             wp_dist: distance_m.round() as u16,
             alt_error: (aim.altitude_m - state.altitude_m) as f32,
-            aspd_error: (aim.airspeed_mps - self.flight.airspeed_mps()) as f32,
+            aspd_error: (aim.airspeed_mps - self.flight.equivalent_airspeed_mps()) as f32,
             xtrack_error: 0.0,
         })
     }

@@ -33,6 +33,8 @@ pub(crate) struct Motion {
     pub climb_mps: f64,
     /// Through the air, true.
     pub airspeed_mps: f64,
+    /// True airspeed of a shown one of one.
+    pub true_airspeed_ratio: f64,
     pub heading_rad: f64,
     pub roll_rad: f64,
     pub turn_rate_radps: f64,
@@ -97,10 +99,10 @@ impl Readings {
             let stuck_mps = settings.pitot_stuck_mps;
             (0.5 * density_kgpm3 * stuck_mps * stuck_mps, stuck_mps)
         } else if settings.pitot_pa == 0.0 {
-            (0.5 * density_kgpm3 * airspeed_mps * airspeed_mps, airspeed_mps)
+            (0.5 * density_kgpm3 * airspeed_mps * airspeed_mps, airspeed_mps / motion.true_airspeed_ratio)
         } else {
             let pressure_pa = 0.5 * density_kgpm3 * airspeed_mps * airspeed_mps + one(Source::Pitot, settings.pitot_pa);
-            (pressure_pa, (2.0 * pressure_pa.abs() / density_kgpm3).sqrt())
+            (pressure_pa, (2.0 * pressure_pa.abs() / density_kgpm3).sqrt() / motion.true_airspeed_ratio)
         };
         Self {
             force_mps2: with_noise(force, Source::Accelerometer, settings.accelerometer_mps2),

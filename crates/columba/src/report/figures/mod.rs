@@ -1,4 +1,4 @@
-//! The figures of a flight, each a function from the flight to an SVG: the three of the paper's Fig. 2 and four more.
+//! The figures of a flight, each a function from the flight to an SVG: the three of the paper's Fig. 2 and five more.
 //!
 //! Up to [`LINES_MAX`] vehicles have a line each. More of them are bands of percentiles over the flock, and by number
 //! the vehicles that leave the bands.
@@ -7,12 +7,14 @@ mod alphas;
 mod bank;
 mod distances;
 mod paths;
+mod prediction;
 mod spread;
 
 pub use alphas::alphas;
 pub use bank::bank;
 pub use distances::distances;
 pub use paths::paths;
+pub use prediction::prediction;
 pub use spread::quantile;
 
 use super::{
@@ -43,12 +45,12 @@ pub struct Figure {
 }
 
 /// The names of all figures, in the order of the report.
-pub const NAMES: [&str; 7] = ["paths", "distances", "speeds", "courses", "bank", "altitudes", "alphas"];
+pub const NAMES: [&str; 8] = ["paths", "distances", "speeds", "courses", "bank", "altitudes", "alphas", "prediction"];
 
 /// All figures, in the order of [`NAMES`].
 pub fn all(flight: &Flight) -> Vec<Figure> {
     type Draw = fn(&Flight) -> String;
-    let figures: [(&str, &str, String, Draw); 7] = [
+    let figures: [(&str, &str, String, Draw); 8] = [
         ("paths", "Paths among the obstacles", paths::caption(flight), paths),
         ("distances", "Smallest separation and clearance", distances::caption(flight), distances),
         ("speeds", "Speed", over_flock(flight, "Horizontal speed at each tick."), speeds),
@@ -68,6 +70,7 @@ pub fn all(flight: &Flight) -> Vec<Figure> {
                 .to_owned(),
             alphas,
         ),
+        ("prediction", "Predicted against flown", over_flock(flight, &prediction::caption(flight)), prediction),
     ];
     figures
         .into_par_iter()

@@ -101,22 +101,33 @@ impl Air {
 
     /// A setpoint of what is wanted as airspeed and heading, by the wind triangle. The heading lags behind its setpoint
     /// by the time constant of its loop: the airspeed of then counts, or each gust would turn the course while the
-    /// airspeed settles.
+    /// airspeed settles. `ratio` is the true airspeed of an equivalent one, which airspeed setpoints and limits are.
     #[inline]
-    pub fn through(&self, setpoint: &Setpoint, wanted: Wanted, airspeed_mps: f64, dynamics: &Dynamics) -> Setpoint {
+    pub fn through(
+        &self,
+        setpoint: &Setpoint,
+        wanted: Wanted,
+        airspeed_mps: f64,
+        ratio: f64,
+        dynamics: &Dynamics,
+    ) -> Setpoint {
         let known = self.known;
+        let mut through = *setpoint;
         if known.north_mps == 0.0 && known.east_mps == 0.0 {
-            return *setpoint;
+            if wanted.is_ground_speed {
+                through.speed_mps /= ratio;
+            }
+            return through;
         }
         let limits = dynamics.limits;
-        let mut through = *setpoint;
         if wanted.is_ground_speed {
             let (wanted_mps, _) = known.air_velocity(setpoint.speed_mps, setpoint.course_rad);
-            through.speed_mps = wanted_mps.clamp(limits.speed_min_mps, limits.speed_max_mps);
+            through.speed_mps = (wanted_mps / ratio).clamp(limits.speed_min_mps, limits.speed_max_mps);
         }
         if !wanted.is_heading {
             let tau = dynamics.time_constants;
-            let settling_mps = through.speed_mps.clamp(limits.speed_min_mps, limits.speed_max_mps) - airspeed_mps;
+            let settled_mps = through.speed_mps.clamp(limits.speed_min_mps, limits.speed_max_mps) * ratio;
+            let settling_mps = settled_mps - airspeed_mps;
             let then_mps = airspeed_mps + settling_mps * (tau.course_s / tau.speed_s).min(1.0);
             through.course_rad = known.heading_rad(setpoint.course_rad, then_mps);
         }

@@ -34,6 +34,11 @@ impl Sticks {
         self.pitch > 0.0
     }
 
+    /// The bank that they ask for, rad; none in the middle.
+    pub(super) fn bank_rad(&self) -> Option<f64> {
+        (self.roll != 0.0).then_some(self.roll * BANK_MAX_RAD)
+    }
+
     /// A setpoint with what the sticks ask for in the place of what was held.
     pub(super) fn steer(
         &self,

@@ -20,7 +20,7 @@ use crate::settings::VehicleSettings;
 use crate::world::Motion;
 use air::Air;
 use attitude::AttitudeTarget;
-use flight_model::{Autopilot, Dynamics, State, wrap_pi};
+use flight_model::{Autopilot, Dynamics, Plant, SetpointDelay, State, wrap_pi};
 use ground::Contact;
 use guidance::{Direction, RallyPlace};
 use landing::Landing;
@@ -35,6 +35,10 @@ pub(crate) struct Flight {
     dynamics: Dynamics,
     /// The three loops, with the lateral limit in force (a guided command may lower it).
     autopilot: Autopilot,
+    /// What flies in the place of these loops, if it has one.
+    plant: Option<Plant>,
+    /// Dead times of these loops.
+    dead_times: Option<SetpointDelay>,
     lateral_limit_mps2: f64,
     /// The flight model within that limit.
     limited: Dynamics,
@@ -81,10 +85,14 @@ enum Stage {
 impl Flight {
     pub fn new(settings: &VehicleSettings) -> Self {
         let start = State { course_rad: wrap_pi(settings.start.course_rad), ..settings.start };
+        let (step_s, origin_amsl_m) = (settings.step.as_secs_f64(), settings.frame.origin().altitude_amsl_m);
+        let new_plant = |plant| Plant::new(plant, &settings.dynamics.limits, step_s, origin_amsl_m, &start);
         let mut flight = Self {
             dynamics: settings.dynamics,
             limited: settings.dynamics,
-            autopilot: Autopilot::new(&settings.dynamics, settings.step.as_secs_f64()),
+            autopilot: Autopilot::new(&settings.dynamics, step_s),
+            plant: settings.plant.as_ref().map(new_plant),
+            dead_times: SetpointDelay::of(&settings.dynamics.response, step_s, &start.hold()),
             tuning: Tuning {
                 loiter_radius_m: settings.loiter_radius_m,
                 rtl_radius_m: settings.loiter_radius_m,
@@ -238,6 +246,18 @@ impl Flight {
         self.in_air().speed_mps
     }
 
+    /// Airspeed that its sensor shows and its setpoints mean, m/s: the true one, unless it flies a plant.
+    #[inline]
+    pub fn equivalent_airspeed_mps(&self) -> f64 {
+        self.airspeed_mps() / self.true_airspeed_ratio()
+    }
+
+    /// True airspeed of an equivalent airspeed of one, here.
+    #[inline]
+    pub fn true_airspeed_ratio(&self) -> f64 {
+        self.plant.as_ref().map_or(1.0, |plant| plant.true_airspeed_ratio(self.state.altitude_m))
+    }
+
     /// Where its nose points, rad.
     pub fn heading_rad(&self) -> f64 {
         self.in_air().course_rad
@@ -254,6 +274,7 @@ impl Flight {
             altitude_m: self.state.altitude_m,
             climb_mps: self.state.climb_mps,
             airspeed_mps: self.airspeed_mps(),
+            true_airspeed_ratio: self.true_airspeed_ratio(),
             heading_rad: self.heading_rad(),
             roll_rad: self.roll_rad(),
             turn_rate_radps: self.turn_rate_radps(),
@@ -281,6 +302,9 @@ impl Flight {
 
     /// Bank, rad, of a coordinated turn: the lift's horizontal part is the centripetal force.
     pub fn roll_rad(&self) -> f64 {
+        if let Some(plant) = self.plant.as_ref().filter(|_| self.contact == Contact::Air) {
+            return plant.bank_rad();
+        }
         libm::atan(self.airspeed_mps() * self.turn_rate_radps() / self.dynamics.limits.gravity_mps2)
     }
 }

@@ -34,6 +34,7 @@ impl Flight {
             Contact::Rail => {
                 self.state = self.start;
                 self.contact = Contact::Air;
+                self.begin_flight();
             }
             Contact::Ground => self.enter(self.mode),
             Contact::Air => {}

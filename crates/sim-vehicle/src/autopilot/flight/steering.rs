@@ -187,13 +187,21 @@ impl Flight {
     }
 
     pub(super) fn airspeed_when_released_mps(&self) -> f64 {
-        if self.contact == Contact::Air { self.airspeed_mps() } else { self.start.speed_mps }
+        match self.contact {
+            Contact::Air => self.equivalent_airspeed_mps(),
+            // From the rail it leaves with a speed over ground, and on the ground that speed is its cruise speed.
+            Contact::Rail => self.start.speed_mps / self.true_airspeed_ratio(),
+            Contact::Ground => self.start.speed_mps,
+        }
     }
 
     pub(super) fn limit_lateral_acceleration(&mut self, limit_mps2: f64) {
         self.lateral_limit_mps2 = limit_mps2;
         self.limited = self.limited_dynamics();
         self.autopilot = Autopilot::new(&self.limited, self.autopilot.step_s());
+        if let Some(plant) = &mut self.plant {
+            plant.set_limits(&self.limited.limits);
+        }
     }
 
     /// The flight model with the least of the lateral limits.

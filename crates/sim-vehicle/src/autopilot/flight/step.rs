@@ -47,7 +47,7 @@ impl Flight {
             Setpoint { speed_mps: self.speed.advance(), course_rad, altitude_m: self.altitude.advance() };
         if self.least_ground_speed_mps > 0.0 {
             let shortfall_mps = self.least_ground_speed_mps - self.state.speed_mps;
-            setpoint.speed_mps = setpoint.speed_mps.max(self.airspeed_mps() + shortfall_mps);
+            setpoint.speed_mps = setpoint.speed_mps.max(self.equivalent_airspeed_mps() + shortfall_mps);
         }
         if let Some(sticks) = self.hands() {
             let bank_max_rad = self.tuning.stick_bank_max_rad;
@@ -108,13 +108,30 @@ impl Flight {
         attitude.steer(setpoint, &craft)
     }
 
+    /// The bank that a pilot or somebody else sets, rad.
+    fn wanted_bank_rad(&self) -> Option<f64> {
+        let set = self.attitude.and_then(|attitude| attitude.roll).map(|roll| roll.rad);
+        set.or_else(|| self.hands().and_then(|sticks| sticks.bank_rad()))
+    }
+
     /// One step of the loops.
     fn fly(&mut self, setpoint: &Setpoint) {
         let is_heading = matches!(self.direction, Direction::Heading(_)) || self.is_banked();
         let wanted = Wanted { is_ground_speed: self.speed_is_over_ground, is_heading };
-        let setpoint = self.air.through(setpoint, wanted, self.airspeed_mps(), &self.dynamics);
+        let bank_rad = self.wanted_bank_rad();
+        if let Some(plant) = &mut self.plant {
+            plant.hold_bank(bank_rad);
+        }
+        let ratio = self.true_airspeed_ratio();
+        let setpoint = self.air.through(setpoint, wanted, self.airspeed_mps(), ratio, &self.dynamics);
         self.air.remember(&self.state);
-        self.state = self.autopilot.step_in_wind(&self.state, &setpoint, self.air.wind());
+        self.state = match (&mut self.plant, &mut self.dead_times) {
+            (Some(plant), _) => plant.step(&self.state, &setpoint, self.air.wind()),
+            (None, Some(dead_times)) => {
+                self.autopilot.step_in_wind(&self.state, &dead_times.pass(&setpoint), self.air.wind())
+            }
+            (None, None) => self.autopilot.step_in_wind(&self.state, &setpoint, self.air.wind()),
+        };
         self.air.carry(self.autopilot.step_s());
     }
 
@@ -144,6 +161,18 @@ impl Flight {
             && self.air.lift_off_speed_mps(&self.state) >= self.dynamics.limits.speed_min_mps
         {
             self.contact = Contact::Air;
+            self.begin_flight();
+        }
+    }
+
+    /// It is in the air from now on: what its loops remember is of an earlier flight.
+    pub(super) fn begin_flight(&mut self) {
+        let air = self.air.see(&self.state);
+        if let Some(plant) = &mut self.plant {
+            plant.begin(&self.state, self.air.wind());
+        }
+        if let Some(dead_times) = &mut self.dead_times {
+            dead_times.begin(&air.hold());
         }
     }
 

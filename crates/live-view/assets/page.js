@@ -1,6 +1,7 @@
-// The page: the connection to the program, and what happens ten times a second.
+// The page: what it is told, what it shows beside the picture, its buttons and keys. It asks nobody for anything: a live
+// flight comes by `live.js`, and a recording may stand in the page itself.
 
-import { Moment, momentsOf, FLAG } from "./wire.js";
+import { momentsOf } from "./wire.js";
 import { Player } from "./player.js";
 import { Stage, severity } from "./stage.js";
 import { Table, stateOf } from "./table.js";
@@ -9,36 +10,36 @@ import { Operator } from "./operator.js";
 
 const element = (id) => document.getElementById(id);
 const parameters = new URLSearchParams(location.search);
-const token = location.hash.slice(1);
 const EVENTS_SHOWN = 500;
 
-const player = new Player();
+export const player = new Player();
 const stage = new Stage(element("stage"), player, parameters.has("canvas"));
 const table = new Table(element("table"), element("count"), element("filter"), stage);
 const charts = new Charts(element("charts"), player, (time) => player.seek(time));
-let socket = null;
+let sayTo = () => false;
 const operator = new Operator(
   { all: element("orders"), one: element("orders-one"), note: element("order-note"), dialog: element("ask"), answer: element("answer") },
-  (words) => {
-    if (socket?.readyState !== WebSocket.OPEN) return false;
-    socket.send(JSON.stringify({ token, ...words }));
-    return true;
-  });
+  (words) => sayTo(words));
 let roster = { version: 0, numbers: [], systems: [], kinds: [], modes: [] };
 let scene = { circles: [], outlines: [], verbs: [] };
 let events = [];
 let may = false;
 
+/** Where the operator's words go; gives whether they are on their way. */
+export function setSay(say) {
+  sayTo = say;
+}
+
 // ---- What the program sends ----
 
-function hear(message) {
+/** Takes a message of the program. */
+export function hear(message) {
   if (message.scene) setScene(message.scene);
   if (message.roster) setRoster(message.roster);
   if (message.told) { events.push(...message.told); drawEvents(); }
   if (message.summary) setSummary(message.summary);
   if (message.may) { may = true; operator.offer(scene.takes_words ? scene.verbs : [], may); }
   if (message.answer) operator.answered(message.answer);
-  if (message.over) over = true;
 }
 
 function setScene(next) {
@@ -83,47 +84,19 @@ function goTo(numbers, time) {
   stage.lookAt(indices);
 }
 
-// ---- The connection ----
-
-let over = false;
-function connect() {
-  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`);
-  socket.binaryType = "arraybuffer";
-  socket.onopen = () => {
-    events = [];
-    setConnection("live", false);
-    if (token) socket.send(JSON.stringify({ token }));
-  };
-  socket.onmessage = ({ data }) => {
-    if (typeof data === "string") hear(JSON.parse(data));
-    else player.take(new Moment(data), performance.now());
-  };
-  socket.onclose = () => {
-    setConnection(over ? "the program has ended" : "the program is not there", true);
-    if (player.newest) player.newest.rate = 0;
-    // A program that has ended does not come back at this address, but one that was out of reach may.
-    if (!over) setTimeout(connect, 1500);
-  };
-}
-
-function setConnection(text, isBad) {
+/** How the flight is there: live, recorded, or gone. */
+export function setConnection(text, isBad) {
   element("connection").textContent = text;
   element("connection").classList.toggle("bad", isBad);
 }
 
-async function begin() {
-  const inline = element("recording");
-  if (inline) {
-    const bytes = Uint8Array.from(atob(element("recording-frames").textContent.trim()), (letter) => letter.charCodeAt(0));
-    return play(JSON.parse(inline.textContent), bytes.buffer);
-  }
-  const head = await fetch("recording.json");
-  if (head.status !== 200) return connect();
-  const [known, frames] = await Promise.all([head.json(), fetch("recording.bin").then((answer) => answer.arrayBuffer())]);
-  play(known, frames);
+/** All is told anew: the program sends its events from the first. */
+export function forgetEvents() {
+  events = [];
 }
 
-function play({ scene: known, roster: whose, told, least }, frames) {
+/** Plays a recording: what is known of it, and its frames. */
+export function play({ scene: known, roster: whose, told, least }, frames) {
   setScene(known);
   setRoster(whose);
   player.record(momentsOf(frames));
@@ -201,7 +174,7 @@ function goToNextAlarm() {
   stage.lookAt([i]);
 }
 
-const number = (value, digits, unit) => Number.isFinite(value) ? `${value.toFixed(digits).replace("-", "\u2212")} ${unit}` : "\u2013";
+const number = (value, digits, unit) => Number.isFinite(value) ? `${value.toFixed(digits).replace("-", "\u2212")}${unit === "\u00b0" ? "" : " "}${unit}` : "\u2013";
 
 function drawSelected() {
   const chosen = [...stage.selected];
@@ -345,5 +318,10 @@ function slowly(clock = performance.now()) {
 // For tests, and for the curious.
 window.columba = { player, stage, table, get events() { return events; }, get roster() { return roster; } };
 
-begin();
+const inline = element("recording");
+if (inline) {
+  const letters = atob(element("recording-frames").textContent.trim());
+  play(JSON.parse(inline.textContent), Uint8Array.from(letters, (letter) => letter.charCodeAt(0)).buffer);
+  player.isPlaying = false;
+}
 requestAnimationFrame(each);

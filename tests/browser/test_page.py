@@ -1,0 +1,155 @@
+"""What people see and do on the page of --view and of columba view."""
+
+import json
+import signal
+import subprocess
+
+from chromium import address_in, browser, open_page, until  # noqa: F401: fixtures
+from conftest import free_port
+from ground import LOITER, RTL
+from test_station import field, start_fly, told  # noqa: F401
+
+FLOCK = "(() => columba.stage.flock.n === {})()"
+
+
+def wait_for_vehicles(page, count):
+    until(page, FLOCK.format(count))
+    until(page, "columba.stage.frames > 2 && columba.player.status !== null")
+
+
+def test_a_vehicle_that_leaves_guided_raises_an_alarm_that_leads_to_it(open_page, start_vehicles, scenario):
+    vehicles = start_vehicles(scenario(count=5), "--speed", 5, "--view")
+    page = open_page(address_in(vehicles.errors))
+    wait_for_vehicles(page, 5)
+    assert page.evaluate("columba.stage.painter.name") == "WebGL 2"
+    page.wait_for_selector(".row >> nth=4")
+    fourth = vehicles.connect()[3]
+    fourth.link.mav.set_mode_send(fourth.system, 1, RTL)
+    page.click("#tab-alarms")
+    page.click("#now button:has-text('vehicle 4')")
+    # The alarm selects the vehicle, and what is known of it says what happened.
+    page.wait_for_selector("#selected-name:has-text('Vehicle 4')")
+    page.wait_for_selector("#selected-events:has-text('left GUIDED to RTL')")
+    page.wait_for_selector("#charts .uplot")
+    page.click("#tab-vehicles")
+    page.fill("#filter", "alarm")
+    until(page, "document.querySelectorAll('.row').length === 1")
+    assert page.inner_text(".row").split()[:2] == ["4", "RTL"]
+    page.fill("#filter", "")
+    page.click("[data-sort=separation]")
+    page.click("[data-sort=separation]")
+    page.wait_for_selector("[aria-sort=descending] [data-sort=separation]")
+    # Seen from the side, and pausing the picture does not pause the flight.
+    page.click("#view-3d")
+    page.click("#play")
+    paused = page.evaluate("columba.player.now")
+    until(page, f"columba.player.end > {paused} + 1")
+    assert page.evaluate("columba.player.now") == paused
+    page.click("#live")
+    until(page, f"columba.player.now > {paused} + 1")
+
+
+def test_a_narrow_page_without_webgl_has_all_of_it(open_page, start_vehicles, scenario):
+    vehicles = start_vehicles(scenario(count=3), "--view")
+    address = address_in(vehicles.errors).replace("#", "?canvas#")
+    page = open_page(address, width=360, height=740, color_scheme="dark", has_touch=True)
+    wait_for_vehicles(page, 3)
+    assert page.evaluate("columba.stage.painter.name") == "canvas"
+    assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    place = page.evaluate("columba.stage.camera.project(...['x', 'y', 'z'].map(name => columba.stage.flock[name][0]))")
+    box = page.locator("#stage").bounding_box()
+    assert 0 < place[0] < box["width"] and 0 < place[1] < box["height"], "the vehicle is in the picture"
+    # What is drawn there is not the ground.
+    drawn = "(() => { const c = document.querySelector('.picture'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0; for (let k = 3; k < d.length; k += 4) if (d[k] > 240) n++; return n; })()"
+    assert page.evaluate(drawn) > 20
+
+
+def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, start_fly, start_vehicles, field):  # noqa: F811
+    port, scenario = free_port(), field(count=2, duration_s=300)
+    vehicles = start_vehicles(scenario, "--speed", 3, ground_port=port)
+    controller = start_fly(scenario, "--speed", 3, "--link", f"udpin:127.0.0.1:{port}", "--view")
+    address = address_in(controller.wait_for("live view: "))
+    watcher = open_page(address.split("#")[0])
+    page = open_page(address)
+    page.wait_for_selector("#phase:has-text('fly')")
+    second = vehicles.connect()[1]
+    page.wait_for_selector(".row >> nth=1")
+    page.click(".row >> nth=1")
+    page.click("#tab-selected")
+    page.click("#orders-one [data-verb='drop N']")
+    assert not told_of_drop(page), "the first step does nothing"
+    page.click("dialog [data-say='drop N']")
+    second.wait(["HEARTBEAT"], lambda message: second.is_ours(message) and message.custom_mode == LOITER, patience_s=60)
+    until(page, "columba.events.some((event) => event.text.includes('dropped by the operator'))")
+    # Whoever has no token can only watch: the button, and whoever speaks past it.
+    watcher.wait_for_selector("#orders [data-verb=abort]:disabled")
+    forged = "new Promise((done) => { const s = new WebSocket(`ws://${location.host}/live`); s.onopen = () => s.send(JSON.stringify({token: '', say: 'abort', id: 1})); s.onmessage = ({data}) => typeof data === 'string' && data.includes('answer') && done(data); })"
+    assert "refused" in watcher.evaluate(forged)
+    page.click("#orders [data-verb=abort]")
+    page.click("dialog [data-say='abort loiter']")
+    run = controller.end()
+    assert run.status == 1 and "aborted by the operator" in run.errors
+    assert told(run, "the operator says abort loiter (on the page, 127.0.0.1:")
+    assert told(run, "the page refused requests: 1 without the token")
+
+
+def told_of_drop(page):
+    return page.evaluate("columba.events.some((event) => event.text.includes('dropped'))")
+
+
+def test_a_log_is_played_back_and_scrubbed(open_page, flown, program):
+    viewer = subprocess.Popen([program, "view", flown.tlog], stderr=subprocess.PIPE, text=True)
+    try:
+        page = open_page(address_in(viewer.stderr.readline()))
+        wait = "columba.player.isRecording && columba.player.end > 41 && columba.stage.flock.n === 5"
+        until(page, wait)
+        page.wait_for_selector("#least-separation:has-text('least separation')")
+        # The log has positions ten times a second, the judge of the flight saw every step.
+        least = float(page.inner_text("#least-separation").split()[2])
+        assert abs(least - flown.summary["min_separation_m"]) < 0.5
+        page.evaluate("columba.player.toggle(); columba.player.seek(20)")
+        until(page, "Math.abs(columba.stage.flock.x[0] - 190) < 60")
+        page.click("#forth")
+        assert 20 < page.evaluate("columba.player.now") < 20.2
+        page.click("#least-separation")
+        at_s = float(page.inner_text("#least-separation").split(", at ")[1].split()[0])
+        assert abs(page.evaluate("columba.player.now") - at_s) < 0.1
+        assert page.evaluate("columba.stage.selected.size") == 2
+    finally:
+        viewer.send_signal(signal.SIGINT)
+        assert viewer.wait(timeout=30) == 0
+
+
+def test_the_replay_of_a_report_is_the_same_page_without_a_network(open_page, flown):
+    page = open_page(f"file://{flown.folder}/report.html")
+    until(page, "frames.length === 1")
+    replay = page.frames[1]
+    until(replay, "window.columba?.player.isRecording && columba.stage.flock.n === 5")
+    assert not replay.evaluate("columba.player.isPlaying")
+    replay.click("#play")
+    until(replay, "columba.player.now > 1")
+    replay.click("#view-3d")
+    until(replay, "columba.stage.camera.is3d")
+    least = f"{flown.summary['min_separation_m']:.2f} m"
+    assert least in replay.inner_text("#least-separation")
+
+
+def test_watching_changes_no_byte_of_a_flight(fly, flown):
+    watched = fly("run", "--seed", 7, "--view")
+    assert watched.status == 0 and "live view: http://127.0.0.1:" in watched.errors
+    assert watched.trajectory_bytes == flown.trajectory_bytes
+
+
+def test_any_vehicles_are_shown_without_configuration(open_page, start_vehicles, scenario, program):
+    port = free_port()
+    viewer = subprocess.Popen([program, "view", "--link", f"udpin:127.0.0.1:{port}"], stderr=subprocess.PIPE, text=True)
+    try:
+        address = address_in(viewer.stderr.readline())
+        start_vehicles(scenario(count=2), "--personality", "px4", ground_port=port)
+        page = open_page(address)
+        wait_for_vehicles(page, 2)
+        until(page, "Number.isFinite(columba.stage.flock.x[1])")
+        assert json.loads(page.evaluate("JSON.stringify(columba.roster.systems)")) == [1, 2]
+    finally:
+        viewer.send_signal(signal.SIGINT)
+        assert viewer.wait(timeout=30) == 0
