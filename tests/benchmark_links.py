@@ -69,7 +69,7 @@ def main():
         present = [flight["present"] for flight in flights]
         squares = [p["state_error_rms_m"] ** 2 for p in present if p and p["state_error_rms_m"] is not None]
         error = (sum(squares) / len(squares)) ** 0.5 if squares else float("nan")
-        late = sum(p["late_ticks"] + p["missed_ticks"] for p in present if p)
+        late = sum(p["late_ticks"] for p in present if p)
         clearance = min(flight["min_clearance_m"] for flight in flights)
         separation = min(flight["min_separation_m"] for flight in flights)
         print(f"| {name} | {len(flights)} | {len(hits)} | {clearance:.2f} | {separation:.2f} | {error:.3f} | {late} |")

@@ -57,6 +57,12 @@ def free_instance(udp, tcp, stride):
     raise RuntimeError("no free ports")
 
 
+def test_without_a_scenario_vehicles_are_where_the_autopilots_simulator_starts(start_vehicles):
+    for ports, place in (("ardupilot", (-35.363262, 149.165237)), ("px4", (47.397742, 8.545594))):
+        row = start_vehicles("--count", 1, "--ports", ports, "--personality", "arduplane", ground_port=0).rows[0]
+        assert (row["latitude_deg"], row["longitude_deg"]) == pytest.approx(place, abs=1e-4)
+
+
 def test_a_tcp_client_hears_it_at_once_and_is_obeyed(ardupilot):
     link = connect("tcp:" + address(ardupilot.rows[0], "tcp"))
     assert heard(link), "nobody has said anything"

@@ -200,15 +200,15 @@ impl Summary {
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
-    /// Which decisions came late or not at all, in words; none where all were in time.
+    /// Which decisions came late, in words; none where all were in time.
     pub fn lateness(&self) -> Option<String> {
         let [ticks, late, missed] =
             ["ticks", "late_ticks", "missed_ticks"].map(|name| self.present_figure(name).unwrap_or(0.0));
         let worst_s = self.present_figure("worst_late_s").unwrap_or(0.0);
-        (late + missed > 0.0).then(|| {
+        (late > 0.0).then(|| {
             format!(
-                "{late:.0} of {ticks:.0} decisions came late, by up to {worst_s:.2} s, and {missed:.0} not at all: the \
-                 machine cannot keep up"
+                "{late:.0} of {ticks:.0} decisions came late, by up to {worst_s:.2} s, and {missed:.0} of these only \
+                 after the next one was due: the machine cannot keep up"
             )
         })
     }

@@ -242,6 +242,6 @@ fn while_it_waits_its_clock_stands_and_commands_are_answered() {
     while vehicle.poll_transmit().is_some() {}
     vehicle.handle(Duration::from_secs(100), &datagram, peer(14550));
     let answer = decode(&vehicle.poll_transmit().unwrap().datagram);
-    assert_eq!(answer.iter().map(DialectMessage::message_id).collect::<Vec<_>>(), [49, 77]);
+    assert_eq!(answer.iter().map(DialectMessage::message_id).collect::<Vec<_>>(), [77, 49]);
     assert_eq!((vehicle.time(), vehicle.is_in_failsafe()), (Duration::ZERO, false));
 }

@@ -9,7 +9,7 @@ use mavlink_bridge::dialect::MavCmd::*;
 use mavlink_bridge::dialect::MavResult::*;
 use mavlink_bridge::dialect::*;
 use mavlink_bridge::{Counters, frames};
-use sim_vehicle::{Mode, Personality, VehicleSettings};
+use sim_vehicle::{Mode, Personality, Plans, Vehicle, VehicleSettings};
 use std::collections::BTreeSet;
 
 const LEFT_ALONE: u16 = u16::MAX;
@@ -71,6 +71,57 @@ fn the_mode_switch_changes_the_mode() {
     client.ask(&set_parameter("FLTMODE_CH", 0.0));
     hold(&mut client, &[(5, 1000), (8, 1000)]);
     assert_eq!(client.vehicle.mode(), Mode::Fbwa);
+}
+
+#[test]
+fn channels_with_a_function_are_switches() {
+    let mut client = Client::new(quiet());
+    // Before it has a function, a channel does nothing.
+    hold(&mut client, &[(9, 1900)]);
+    hold(&mut client, &[(9, 1000)]);
+    client.ask(&set_parameter("RC9_OPTION", 4.0));
+    client.ask(&set_parameter("RC10_OPTION", 56.0));
+    hold(&mut client, &[(9, 1000), (10, 1500)]);
+    assert_eq!(client.vehicle.mode(), Mode::Guided);
+    hold(&mut client, &[(9, 1900)]);
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+    hold(&mut client, &[(10, 1900)]);
+    assert_eq!(client.vehicle.mode(), Mode::Loiter);
+    // Who leaves a mode by its switch goes where the mode switch stands.
+    hold(&mut client, &[(8, 1500), (10, 1900)]);
+    assert_eq!(client.vehicle.mode(), Mode::Fbwa);
+    hold(&mut client, &[(8, 1500), (10, 1000)]);
+    assert_eq!(client.vehicle.mode(), Mode::Fbwa);
+    hold(&mut client, &[(8, 1500), (10, 1900)]);
+    hold(&mut client, &[(8, 1500), (10, 1000)]);
+    assert_eq!(client.vehicle.mode(), Mode::Fbwa);
+    client.ask(&set_parameter("RC7_OPTION", 11.0));
+    client.ask(&set_parameter("FENCE_TYPE", 1.0));
+    assert_eq!(texts(&hold(&mut client, &[(7, 1900)])), ["RC7: Fence HIGH"]);
+}
+
+#[test]
+fn a_function_is_done_by_a_command_too() {
+    let mut client = Client::new(quiet());
+    let mut function = |number: f32, position: f32| {
+        let data =
+            COMMAND_LONG_DATA { param1: number, param2: position, target_system: TARGET, ..COMMAND_LONG_DATA::DEFAULT };
+        // The command is of ArduPilot's own dialect: its number goes in by hand, into bytes 28 and 29 of the payload.
+        let mut payload = [0; 30];
+        payload[..4].copy_from_slice(&data.param1.to_le_bytes());
+        payload[4..8].copy_from_slice(&data.param2.to_le_bytes());
+        payload[28..].copy_from_slice(&218_u16.to_le_bytes());
+        let frame = common::by_hand(76, 152, &[&payload[..], &[TARGET, 1, 0]].concat());
+        let address = client.address;
+        client.vehicle.handle(client.vehicle.time(), &frame, address);
+        // The acknowledgement has a number that the common dialect does not know.
+        while client.vehicle.poll_transmit().is_some() {}
+        client.vehicle.mode()
+    };
+    assert_eq!(function(56.0, 2.0), Mode::Loiter);
+    assert_eq!(function(4.0, 2.0), Mode::Rtl);
+    assert_eq!(function(4.0, 3.0), Mode::Rtl);
+    assert_eq!(function(4.0, 0.0), Mode::Manual);
 }
 
 #[test]
@@ -155,4 +206,36 @@ fn a_reboot_is_counted_and_puts_a_vehicle_that_began_on_the_ground_back() {
     let start = VehicleSettings::default().start;
     assert_eq!((after.x_m, after.y_m, after.altitude_m, after.speed_mps), (start.x_m, start.y_m, 0.0, 0.0));
     assert_eq!(client.vehicle.mode(), Mode::Manual);
+}
+
+#[test]
+fn a_message_that_is_asked_for_follows_its_acknowledgement() {
+    let mut client = Client::new(quiet());
+    client.ask(&mavlink_bridge::telemetry::ground_heartbeat());
+    for (command, id) in [(MAV_CMD_REQUEST_MESSAGE, 30), (MAV_CMD_GET_HOME_POSITION, 242)] {
+        let heard = client.ask(&common::long(TARGET, command, [id as f32, 0.0, 0.0]));
+        let ids: Vec<u32> = heard.iter().map(Message::message_id).collect();
+        assert_eq!(ids, [77, id]);
+    }
+}
+
+#[test]
+fn auto_without_a_mission_is_not_armed() {
+    let mut client = Client::new(VehicleSettings { on_ground: true, ..quiet() });
+    let items = [
+        common::item(MAV_CMD_NAV_WAYPOINT, [0.0; 4], 0.0, 0.0, 0.0),
+        common::item(MAV_CMD_NAV_WAYPOINT, [0.0; 4], 100.0, 0.0, 50.0),
+    ];
+    client.vehicle = Vehicle::new(VehicleSettings {
+        on_ground: true,
+        plans: Plans { mission: items.to_vec(), ..Plans::default() },
+        ..quiet()
+    })
+    .unwrap();
+    client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]);
+    let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
+    client.ask(&Message::MISSION_CLEAR_ALL(clear));
+    assert_eq!(client.vehicle.mode(), Mode::Auto);
+    let heard = client.ask(&common::long(TARGET, MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]));
+    assert_eq!(texts(&heard), ["Arm: Mode requires mission"]);
 }

@@ -74,24 +74,41 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
 }
 
 /// The flags' layers, and beneath them what makes vehicles planes that are not the paper's five: those of a count, a
-/// swarm file, or the ports of an autopilot, for which scripts ask for an autopilot's speeds.
+/// swarm file, or the ports of an autopilot, for which scripts ask for an autopilot's speeds and places.
 fn with_planes(flags: &[Layer]) -> Vec<Layer> {
     let written = |key: &str| config::written(flags, key);
     let has_number = written("vehicles.count").is_some() || written("vehicles.file").is_some();
-    let has_autopilots_ports = written("link.ports").is_some_and(|ports| ports != "\"columba\"");
+    let ports = written("link.ports").filter(|ports| ports != "\"columba\"");
     let is_paper = match written("airframe") {
         Some(airframe) => airframe == "\"paper\"",
-        None => !has_number && !has_autopilots_ports,
+        None => !has_number && ports.is_none(),
     };
-    if is_paper {
-        return flags.to_vec();
+    let mut layers = Vec::new();
+    let mut lay = |key: &str, toml: &str| layers.extend(Layer::of_flag("--airframe", key, toml).ok());
+    if !is_paper {
+        // Scripts lean on how these have always flown: by Eq. 1, to the last bit.
+        lay("airframe", &format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\" }}"));
+        if !has_number {
+            lay("vehicles.count", "vehicles.count = 5");
+        }
     }
-    // Scripts lean on how these have always flown: by Eq. 1, to the last bit.
-    let airframe = format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\" }}");
-    let number = if has_number { None } else { Some("vehicles.count = 5") };
-    let layers = std::iter::once(airframe.as_str()).chain(number);
-    let layers = layers.filter_map(|toml| Layer::of_flag("--airframe", "airframe", toml).ok());
-    layers.chain(flags.iter().cloned()).collect()
+    for (key, value) in ports.as_deref().map_or(&[][..], start_of_simulator) {
+        lay(key, &format!("{key} = {value:?}"));
+    }
+    layers.extend(flags.iter().cloned());
+    layers
+}
+
+/// Where the simulator of the autopilot starts whose ports these are.
+fn start_of_simulator(ports: &str) -> &'static [(&'static str, f64)] {
+    const LATITUDE: &str = "scenario.origin.latitude_deg";
+    const LONGITUDE: &str = "scenario.origin.longitude_deg";
+    const ALTITUDE: &str = "scenario.origin.altitude_amsl_m";
+    match ports {
+        "\"ardupilot\"" => &[(LATITUDE, -35.363262), (LONGITUDE, 149.165237), (ALTITUDE, 584.0)],
+        "\"px4\"" => &[(LATITUDE, 47.397742), (LONGITUDE, 8.545594), (ALTITUDE, 488.0)],
+        _ => &[],
+    }
 }
 
 /// Where a vehicle sends its telemetry unasked. Each network has a ground port of its own: on one port, vehicles of two

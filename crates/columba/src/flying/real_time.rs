@@ -23,7 +23,6 @@ pub struct RealTime {
     watch: Watch,
     /// Seconds of flight for each second of the wall clock.
     speed: f64,
-    period: Duration,
     setpoints: SetpointDialect,
     /// Heartbeats are due once in so many control periods.
     ticks_per_heartbeat: u64,
@@ -47,7 +46,6 @@ impl RealTime {
             ground_truth,
             watch: Watch::new(scenario),
             speed,
-            period: scenario.control_period,
             setpoints: scenario.link.setpoints,
             ticks_per_heartbeat: ((speed / scenario.control_period.as_secs_f64()).round() as u64).max(1),
             sent: 0,
@@ -187,19 +185,6 @@ impl World for RealTime {
             self.watch.compare(self.zero + start, step, tracks);
         }
         Ok(())
-    }
-
-    fn after(&mut self, tick: u64) -> u64 {
-        let flown = self.watch_now().saturating_sub(self.zero);
-        let next = u64::try_from(flown.as_nanos() / self.period.as_nanos().max(1)).unwrap_or(u64::MAX);
-        if next <= tick + 1 {
-            return tick + 1;
-        }
-        // A decision for a moment that has gone by helps nobody.
-        self.watch.missed(next - (tick + 1));
-        self.now = self.period * u32::try_from(next).unwrap_or(u32::MAX);
-        self.look();
-        next
     }
 
     fn ground_truth(&mut self) -> Interval<'_> {

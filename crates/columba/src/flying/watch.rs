@@ -55,6 +55,7 @@ struct Craft {
 struct Timing {
     ticks: u64,
     late: u64,
+    /// Decisions that were made only after the next one was due.
     missed: u64,
     /// Looks at the vehicles before the delays of all links were known.
     without_delay: u64,
@@ -211,12 +212,8 @@ impl Watch {
         timing.worst_late_s = timing.worst_late_s.max(late_s);
         let is_late = late_s > LATE_SHARE * self.period_s;
         timing.late += u64::from(is_late);
+        timing.missed += u64::from(late_s > self.period_s);
         is_late.then_some(late_s)
-    }
-
-    /// Ticks that were passed over, because their time had gone by.
-    pub fn missed(&mut self, ticks: u64) {
-        self.timing.missed += ticks;
     }
 
     /// A command is sent at flight time `now`; gives the setpoint that is to go out for what is wanted.

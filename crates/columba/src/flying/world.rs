@@ -45,11 +45,6 @@ pub trait World {
         &[]
     }
 
-    /// The tick that follows a tick: the next one, unless its time has gone by.
-    fn after(&mut self, tick: u64) -> u64 {
-        tick + 1
-    }
-
     /// The states at time zero by which the flight is judged: those that the controller knows, unless better ones
     /// exist.
     fn starts(&self) -> Vec<State> {
@@ -120,8 +115,7 @@ pub async fn fly<W: World>(
     let clock = move || started.elapsed();
     let flown = async {
         prepared?;
-        let mut tick = 0;
-        while tick < scenario.ticks() {
+        for tick in 0..scenario.ticks() {
             flock.set_margins(world.margins_m());
             flock.set_reference_speeds(world.reference_speeds_mps());
             let decisions = flock.tick(tick, world.foreseen(), &clock);
@@ -139,7 +133,6 @@ pub async fn fly<W: World>(
                 "tick"
             );
             progress.flown(tick + 1);
-            tick = world.after(tick);
         }
         Ok(())
     };

@@ -110,8 +110,8 @@ fn present_figures(summary: &Summary) -> Vec<KeyFigure> {
         figures.push(("Delay of the link", value, note));
     }
     if let Some(lateness) = summary.lateness() {
-        let late = ["late_ticks", "missed_ticks"].map(|name| summary.present_figure(name).unwrap_or(0.0));
-        figures.push(("Late decisions", format!("{:.0}", late[0] + late[1]), lateness));
+        let late = summary.present_figure("late_ticks").unwrap_or(0.0);
+        figures.push(("Late decisions", format!("{late:.0}"), lateness));
     }
     figures
 }

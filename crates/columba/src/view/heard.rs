@@ -10,8 +10,8 @@ use mavlink_bridge::{Header, state_from_local_position};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Ids of the messages that [`Flock::hear`] takes.
-pub const TAKEN: [u32; 8] = [0, 1, 32, 33, 74, 245, 253, 436];
+/// Ids of the messages that say where an autopilot is and in which state, of all that [`Flock::hear`] takes.
+pub const SHOWN: [u32; 6] = [0, 32, 33, 245, 253, 436];
 
 /// One autopilot, and by which way it is heard.
 pub struct Heard<W> {
@@ -36,12 +36,19 @@ pub struct Flock<W> {
     pub frame: Option<LocalFrame>,
     /// What autopilots said in words, and nobody has taken yet.
     pub events: Vec<(Duration, Event)>,
+    /// Whether ways and clocks are followed, which tell at what rate positions come: a log needs neither.
+    follows_ways: bool,
 }
 
 impl<W: Copy + PartialEq> Flock<W> {
-    /// Nobody was heard.
-    pub fn new() -> Self {
-        Self { all: Vec::new(), frame: None, events: Vec::new() }
+    /// Nobody was heard; `follows_ways` on a link, whose positions may have to be asked for.
+    pub fn new(follows_ways: bool) -> Self {
+        Self { all: Vec::new(), frame: None, events: Vec::new(), follows_ways }
+    }
+
+    /// Whether a system tells its global position, so that its local one is not needed.
+    pub fn has_global(&self, system_id: u8) -> bool {
+        self.all.iter().any(|one| one.has_global && one.vehicle.id() == system_id)
     }
 
     /// Takes a message that came by a way, at a time on the listener's clock; gives the index of who said it.
@@ -68,7 +75,11 @@ impl<W: Copy + PartialEq> Flock<W> {
                 one.has_global = true;
                 one.state = Some(state(data, &frame));
                 one.placed = Some(now);
-                one.vehicle.hear(message, now, &frame);
+                if self.follows_ways {
+                    one.vehicle.hear(message, now, &frame);
+                } else {
+                    one.vehicle.height_m = f64::from(data.relative_alt) * 1e-3;
+                }
             }
             Message::LOCAL_POSITION_NED(data) if !one.has_global => {
                 one.state = Some(state_from_local_position(data)).filter(State::is_finite);

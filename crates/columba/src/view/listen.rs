@@ -25,7 +25,7 @@ pub async fn listen(feed: Feed, mut links: Links, calls: Vec<Route>, speaks: boo
     feed.scene(scene);
     let mut listener = Listener {
         feed,
-        flock: Flock::new(),
+        flock: Flock::new(true),
         framers: HashMap::new(),
         counters: Counters::default(),
         encoders: HashMap::new(),

@@ -1,6 +1,6 @@
 //! `columba view FILE.tlog`: telemetry logs, ours and other people's, as recordings for the page.
 
-use super::heard::{Flock, TAKEN};
+use super::heard::{Flock, SHOWN};
 use flight_model::{State, wrap_pi};
 use live_view::{Event, Frame as Shown, Recording, Scene, VehicleNow, Weight};
 use mavlink_bridge::Frame;
@@ -16,6 +16,7 @@ const GAP_MAX_S: f64 = 1.5;
 /// Two records of one log that are further apart than this are not of one log, microseconds.
 const JUMP_MAX_US: u64 = 7 * 24 * 3600 * 1_000_000;
 const TIME: usize = 8;
+const LOCAL_POSITION_NED: u32 = 32;
 
 /// What was read of a log.
 pub struct Log {
@@ -40,7 +41,8 @@ struct Sample {
 impl Log {
     /// Reads a log; what is no record is skipped, and counted.
     pub fn read(bytes: &[u8]) -> Self {
-        let mut log = Self { flock: Flock::new(), samples: Vec::new(), span_us: None, records: 0, skipped_bytes: 0 };
+        let mut log =
+            Self { flock: Flock::new(false), samples: Vec::new(), span_us: None, records: 0, skipped_bytes: 0 };
         let mut at = 0;
         while let Some(length) = log.length_at(bytes, at) {
             let Some(length) = length else {
@@ -73,7 +75,10 @@ impl Log {
             true => frame.get(7..10).map_or(0, |id| u32::from_le_bytes([id[0], id[1], id[2], 0])),
             false => frame.get(5).map_or(0, |id| u32::from(*id)),
         };
-        if !TAKEN.contains(&id) {
+        let system_at = if is_version_2 { 5 } else { 3 };
+        let is_local_too =
+            id == LOCAL_POSITION_NED && self.flock.has_global(frame.get(system_at).copied().unwrap_or(0));
+        if !SHOWN.contains(&id) || is_local_too {
             return;
         }
         let Ok(frame) = Frame::parse(frame) else { return };

@@ -78,6 +78,8 @@ impl Autopilot {
             None
         } else if self.mode() == Mode::Rtl {
             Some("RTL mode not armable".into())
+        } else if self.mode() == Mode::Auto && !self.mission.is_flyable() && self.rules.returns_without_mission {
+            Some("Mode requires mission".into())
         } else if is_amiss(LAND_START) {
             Some("DO_LAND_START set and RTL_AUTOLAND disabled".into())
         } else if is_amiss(RETURN_PATH_START) {

@@ -17,16 +17,21 @@ const DEAD_ZONE: f64 = 0.06;
 
 /// The channels that are overridden: where they are, microseconds, and until when, vehicle time.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Channels([Option<(u16, Duration)>; CHANNELS]);
+pub(crate) struct Channels {
+    held: [Option<(u16, Duration)>; CHANNELS],
+    /// When one was last put anywhere.
+    moved: Option<Duration>,
+}
 
 impl Channels {
     /// 0 gives a channel back.
     pub fn put(&mut self, channel: usize, microseconds: u16, time: Duration) {
-        self.0[channel] = (microseconds != 0).then_some((microseconds, time + OVERRIDE_TIME));
+        self.held[channel] = (microseconds != 0).then_some((microseconds, time + OVERRIDE_TIME));
+        self.moved = Some(time);
     }
 
     fn overridden(&self, channel: usize, time: Duration) -> Option<u16> {
-        self.0[channel].filter(|(_, until)| time < *until).map(|(microseconds, _)| microseconds)
+        self.held[channel].filter(|(_, until)| time < *until).map(|(microseconds, _)| microseconds)
     }
 
     /// What the sticks say; none while nobody holds any. `reversed` tells of roll, pitch and throttle whether more
@@ -45,6 +50,11 @@ impl Channels {
             let share = |microseconds: u16| ((f64::from(microseconds) - 1000.0) / 1000.0).clamp(0.0, 1.0);
             Sticks { roll: deflection(roll), pitch: deflection(pitch), throttle: throttle.map(share) }
         })
+    }
+
+    /// Whether somebody holds a channel, or has let go of it within the last second.
+    pub fn have_moved(&self, time: Duration) -> bool {
+        self.moved.is_some_and(|moved| time < moved + OVERRIDE_TIME + Duration::from_secs(1))
     }
 
     /// Whether somebody holds the sticks.

@@ -19,13 +19,13 @@ pub(crate) mod home;
 pub(crate) mod input;
 pub(crate) mod manual_control;
 pub(crate) mod mission;
-pub(crate) mod mode_switch;
 pub(crate) mod pilot;
 pub(crate) mod plan;
 pub(crate) mod rally;
 mod session;
 pub(crate) mod situation;
 mod step;
+pub(crate) mod switches;
 pub(crate) mod timer;
 
 use crate::counters::VehicleCounters;
@@ -420,7 +420,7 @@ impl Autopilot {
                 let is_feasible = !self.rules.judges_plans_as_px4 || self.judge_mission(&items, false);
                 self.mission.replace(items, is_feasible);
                 self.session.progress.mission_changed(&self.mission, anew, self.rules.resumes_after_upload);
-                if self.mode() == Mode::Auto && !self.mission.is_flyable() {
+                if self.mode() == Mode::Auto && self.flight.is_armed() && !self.mission.is_flyable() {
                     self.end_mission("Mission cleared");
                 }
             }

@@ -6,7 +6,7 @@ use super::fence::monitor::FenceMonitor;
 use super::habits::Habits;
 use super::manual_control::Channels;
 use super::mission::progress::Progress;
-use super::mode_switch::ModeSwitch;
+use super::switches::Switches;
 use super::timer::Timers;
 
 /// What has happened since the vehicle was switched on.
@@ -17,7 +17,7 @@ pub(crate) struct Session {
     pub fence: FenceMonitor,
     pub progress: Progress,
     pub channels: Channels,
-    pub mode_switch: ModeSwitch,
+    pub switches: Switches,
     pub habits: Habits,
     /// What is being calibrated.
     pub calibration: Option<Calibration>,

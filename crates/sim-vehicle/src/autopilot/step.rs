@@ -18,7 +18,7 @@ impl Autopilot {
         self.follow_mission();
         self.follow_calibration();
         self.follow_streams();
-        self.follow_mode_switch();
+        self.follow_switches();
         self.tell_what_is_against_arming();
     }
 

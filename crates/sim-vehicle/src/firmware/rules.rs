@@ -81,8 +81,8 @@ pub(crate) struct Rules {
     pub fence_action: fn(u8) -> Option<Mode>,
     /// Whether it says unasked what stands against arming.
     pub tells_arming_reason: bool,
-    /// Whether a channel of the sticks changes the mode (FLTMODE_CH).
-    pub has_mode_switch: bool,
+    /// Whether channels are switches: of the mode (FLTMODE_CH), or with a function (RC1_OPTION and its kin).
+    pub has_switches: bool,
     /// Whether any ground station moves the sticks and is listened for; otherwise the one of MAV_GCS_SYSID.
     pub any_ground_station: bool,
     /// Whether setpoints in Offboard, sticks and the ground station are watched as a PX4 does, TAKEOFF ends in Hold,
@@ -105,6 +105,10 @@ pub(crate) struct Rules {
     pub return_item_stays_current: bool,
     /// Whether a param of an item that is no number is one left out.
     pub nan_params_are_left_out: bool,
+    /// Whether NAV_LOITER_TURNS is kept in two bytes, with fewer digits than it came with.
+    pub stores_turns_in_bytes: bool,
+    /// Whether a waypoint without a radius of its own is over where it is passed abeam, however far away.
+    pub passes_waypoints: bool,
     /// Whether an acknowledgement of the writer breaks off an upload.
     pub upload_can_be_broken_off: bool,
     /// Whether items are asked for by the older message, and not by it only of those that use it.

@@ -161,6 +161,23 @@ parameters! {
     RollReversed: "RC1_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     PitchReversed: "RC2_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     ThrottleReversed: "RC3_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
+    // The functions of channels that are switches.
+    ChannelFunction1: "RC1_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction2: "RC2_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction3: "RC3_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction4: "RC4_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction5: "RC5_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction6: "RC6_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction7: "RC7_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction8: "RC8_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction9: "RC9_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction10: "RC10_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction11: "RC11_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction12: "RC12_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction13: "RC13_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction14: "RC14_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction15: "RC15_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
+    ChannelFunction16: "RC16_OPTION", INT16, |_| 0.0, |_| (0.0, FUNCTION_MAX), Effect::LookedUp;
     FlightModeChannel: "FLTMODE_CH", INT8, |_| 8.0, |_| (0.0, 16.0), Effect::LookedUp;
     FlightMode1: "FLTMODE1", INT8, |_| 11.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
     FlightMode2: "FLTMODE2", INT8, |_| 11.0, |_| (0.0, MODE_MAX), Effect::LookedUp;
@@ -257,6 +274,8 @@ parameters! {
 
 /// ArduPlane's default of TKOFF_ALT, m.
 pub(crate) const TAKEOFF_ALTITUDE_M: f64 = 50.0;
+/// The greatest number of a function of a switch.
+const FUNCTION_MAX: f32 = 1000.0;
 /// The greatest number of a mode of ArduPlane's.
 const MODE_MAX: f32 = 26.0;
 /// Radii are whole metres of 16 bits.

@@ -59,6 +59,7 @@ impl Services {
                     None => command::execute_by_number(&mut component.autopilot, command),
                 };
                 acknowledge(component, link, command.number, sender, outcome);
+                component.send_asked_for();
             }
             Request::Message(Message::SET_MODE(data)) => self.set_mode(component, link, sender, data),
             Request::Message(Message::SET_POSITION_TARGET_LOCAL_NED(data)) => take_setpoint(component, lockstep, data),

@@ -24,6 +24,8 @@ pub(crate) struct Component {
     /// Commands and frames; the autopilot counts the rest.
     pub counters: VehicleCounters,
     pub host_now: Duration,
+    /// Messages that have been asked for and follow their acknowledgement, each with its link.
+    pub asked_for: Vec<(usize, Stream)>,
     /// A reset that has been asked for, and follows.
     pub reset_wanted: Option<Kept>,
 }
@@ -36,6 +38,7 @@ impl Component {
             settings,
             counters: VehicleCounters::default(),
             host_now: Duration::ZERO,
+            asked_for: Vec::new(),
             reset_wanted: None,
         }
     }
@@ -89,6 +92,13 @@ impl Component {
 
     pub fn send_stream(&mut self, link: usize, stream: Stream) {
         self.with_instruments(|links, instruments| links.send_stream(link, stream, instruments));
+    }
+
+    /// Sends what has been asked for and is acknowledged now.
+    pub fn send_asked_for(&mut self) {
+        for (link, stream) in std::mem::take(&mut self.asked_for) {
+            self.send_stream(link, stream);
+        }
     }
 
     /// Says something to everybody.

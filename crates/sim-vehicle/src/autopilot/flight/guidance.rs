@@ -16,6 +16,8 @@ pub(super) enum Direction {
         at: Vector2<f64>,
         /// Where the line to it begins that is followed; none: from anywhere.
         from: Option<Vector2<f64>>,
+        /// Whether it may fly away first from a place that is too near to turn to.
+        may_fly_away: bool,
         flies_away: bool,
     },
 }
@@ -63,7 +65,10 @@ impl Direction {
         match self {
             Direction::Course(rad) | Direction::Heading(rad) => *rad,
             Direction::Circle(circle) => circle.course_rad(state),
-            Direction::Place { at, from, flies_away } => course_to_rad(*at, *from, flies_away, state, dynamics),
+            Direction::Place { at, from, may_fly_away, flies_away } => {
+                let course_rad = course_to_rad(*at, *from, flies_away, state, dynamics);
+                if *flies_away && !*may_fly_away { libm::atan2(at.y - state.y_m, at.x - state.x_m) } else { course_rad }
+            }
         }
     }
 

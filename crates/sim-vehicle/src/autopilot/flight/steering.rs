@@ -82,18 +82,19 @@ impl Flight {
 
     /// Flies to a place, (north, east) in m, and over it.
     pub fn fly_to(&mut self, place: Vector2<f64>) {
-        self.fly_toward(None, place);
+        self.fly_toward(None, place, true);
     }
 
-    /// The same along the line from one place to the other.
-    pub fn fly_leg(&mut self, from: Vector2<f64>, to: Vector2<f64>) {
-        self.fly_toward(Some(from), to);
+    /// The same along the line from one place to the other; past it, if need be, where it may not fly away first to
+    /// have room to turn.
+    pub fn fly_leg(&mut self, from: Vector2<f64>, to: Vector2<f64>, may_fly_away: bool) {
+        self.fly_toward(Some(from), to, may_fly_away);
     }
 
-    fn fly_toward(&mut self, from: Option<Vector2<f64>>, at: Vector2<f64>) {
+    fn fly_toward(&mut self, from: Option<Vector2<f64>>, at: Vector2<f64>, may_fly_away: bool) {
         self.stage = Stage::Normal;
         self.limit_lateral_acceleration(f64::INFINITY);
-        self.direction = Direction::Place { at, from, flies_away: false };
+        self.direction = Direction::Place { at, from, may_fly_away, flies_away: false };
     }
 
     /// Circles round a place; gives the radius, which is wider than asked for if it cannot turn so tightly.

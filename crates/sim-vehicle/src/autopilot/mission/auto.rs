@@ -4,7 +4,7 @@ use super::items::{
     CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
     LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAKEOFF, WAYPOINT, has_place,
 };
-use super::legs::{AltitudeEnd, Leg};
+use super::legs::{AltitudeEnd, Leg, is_beyond};
 use super::loiter::{Exit, Goal, Loiter, PX4_ALTITUDE_M, Rules};
 use crate::autopilot::Autopilot;
 use crate::autopilot::event::Event;
@@ -114,7 +114,11 @@ impl Autopilot {
     /// Says in ArduPlane's words what AUTO has just done.
     fn tell_end_of_leg(&mut self, seq: u16) {
         let text = match self.session.progress.leg {
-            Leg::Place { at, .. } => format!("Reached waypoint #{seq} dist {:.0}m", self.flight.distance_m(at)),
+            Leg::Place { at, radius_m, .. } => {
+                let distance_m = self.flight.distance_m(at);
+                let word = if distance_m <= radius_m { "Reached" } else { "Passed" };
+                format!("{word} waypoint #{seq} dist {distance_m:.0}m")
+            }
             Leg::Circle(loiter) => match loiter.goal {
                 Goal::Turned(_) => "Loiter orbits complete".into(),
                 Goal::Stayed(_) | Goal::AltitudeAndStayed(..) => "Loiter time complete".into(),
@@ -173,12 +177,18 @@ impl Autopilot {
         self.session.progress.leg = match item.command {
             WAYPOINT => {
                 let from = self.session.progress.from().unwrap_or_else(|| self.flight.here());
+                // Who gives a radius of its own has it flown to until it is reached.
+                let passes = self.rules.passes_waypoints && p2 <= 0.0;
                 let passes_by = self.loiter_rules() == Rules::ArduPlane;
                 let at = if passes_by { beyond(from, at, p3.clamp(0.0, 255.0)) } else { at };
-                self.flight.fly_leg(from, at);
+                self.flight.fly_leg(from, at, !passes);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
                 let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
-                Leg::Place { at, radius_m, nearest_m: f64::INFINITY }
+                // Past it already, it comes from where it is.
+                let here = self.flight.here();
+                let abeam_from = if is_beyond(here, from, at) { here } else { from };
+                let abeam_from = passes.then_some(abeam_from);
+                Leg::Place { at, radius_m, nearest_m: f64::INFINITY, abeam_from }
             }
             LOITER_UNLIM => {
                 self.flight.circle_at(at, or_usual(p3));

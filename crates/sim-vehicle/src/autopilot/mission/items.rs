@@ -12,7 +12,7 @@ pub(crate) const ITEMS_MAX: u16 = 700;
 
 pub(crate) const WAYPOINT: u16 = MavCmd::MAV_CMD_NAV_WAYPOINT as u32 as u16;
 pub(super) const LOITER_UNLIM: u16 = MavCmd::MAV_CMD_NAV_LOITER_UNLIM as u32 as u16;
-pub(super) const LOITER_TURNS: u16 = MavCmd::MAV_CMD_NAV_LOITER_TURNS as u32 as u16;
+pub(crate) const LOITER_TURNS: u16 = MavCmd::MAV_CMD_NAV_LOITER_TURNS as u32 as u16;
 pub(super) const LOITER_TIME: u16 = MavCmd::MAV_CMD_NAV_LOITER_TIME as u32 as u16;
 pub(super) const RETURN_TO_LAUNCH: u16 = MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH as u32 as u16;
 pub(super) const LAND: u16 = MavCmd::MAV_CMD_NAV_LAND as u32 as u16;

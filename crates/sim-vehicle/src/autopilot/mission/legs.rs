@@ -12,8 +12,9 @@ pub(super) enum Leg {
     /// Its beginning.
     #[default]
     Begin,
-    /// To be so near to a place, and not to come nearer: `nearest_m` is how near it has come.
-    Place { at: Vector2<f64>, radius_m: f64, nearest_m: f64 },
+    /// To be so near to a place, and not to come nearer: `nearest_m` is how near it has come. Or to be abeam of it, as
+    /// seen on the way from a place where that counts.
+    Place { at: Vector2<f64>, radius_m: f64, nearest_m: f64, abeam_from: Option<Vector2<f64>> },
     /// To be at an altitude, or not below it, or not above it, m above the origin.
     Altitude(f64, AltitudeEnd),
     /// To circle.
@@ -26,6 +27,12 @@ pub(super) enum Leg {
     TakeOffFirst(f64),
     /// Nothing: it has no end.
     Forever,
+}
+
+/// Whether somebody has passed a place on the way from another one: is past the line through it, across the way
+/// (`Location::past_interval_finish_line`).
+pub(super) fn is_beyond(here: Vector2<f64>, from: Vector2<f64>, at: Vector2<f64>) -> bool {
+    (here - at).dot(&(at - from)) >= 0.0
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,13 +52,14 @@ impl Leg {
         }
         match self {
             Leg::Begin | Leg::Forever | Leg::Landing => false,
-            Leg::Place { at, radius_m, nearest_m } => {
+            Leg::Place { at, radius_m, nearest_m, abeam_from } => {
                 // Who sees the vehicle a few times a second must see it within the radius: the item ends where it is
                 // nearest.
                 let distance_m = (state.position_m() - *at).norm();
                 let recedes = distance_m >= *nearest_m;
                 *nearest_m = nearest_m.min(distance_m);
-                distance_m <= *radius_m && recedes
+                (distance_m <= *radius_m && recedes)
+                    || abeam_from.is_some_and(|from| is_beyond(state.position_m(), from, *at))
             }
             Leg::Altitude(altitude_m, end) => {
                 let above_m = state.altitude_m - *altitude_m;

@@ -1,5 +1,6 @@
 use super::items::{LAND, TAKEOFF, WAYPOINT};
 use crate::autopilot::plan::PlanKind;
+use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::settings::VehicleSettings;
 use crate::vehicle::Vehicle;
@@ -94,4 +95,25 @@ proptest! {
         vehicle.advance(landed + Duration::from_secs(40), &mut Vec::new());
         prop_assert_eq!((vehicle.is_armed(), vehicle.state().altitude_m, vehicle.state().speed_mps), (false, 0.0, 0.0));
     }
+}
+
+#[test]
+fn a_waypoint_that_is_missed_is_passed_by_an_arduplane_and_flown_to_again_by_others() {
+    let legs = |personality: Personality| {
+        // No radius of their own: that of the parameter counts.
+        let default_parameters = vec![("WP_RADIUS".into(), 1.0)];
+        let settings = VehicleSettings { personality, default_parameters, ..settings(false, 15.0) };
+        let mut vehicle = Vehicle::new(settings).unwrap();
+        // The second is nearer beside the first than the vehicle can turn.
+        let places = [(100.0, 0.0), (100.0, 3.0), (300.0, 100.0)];
+        let first = if personality == Personality::ArduPlane { vec![PlanItem::default()] } else { Vec::new() };
+        let waypoints = places.map(|at| item(&vehicle, WAYPOINT, at, 50.0, 0.0));
+        let seen = fly(&mut vehicle, first.into_iter().chain(waypoints).collect(), 300);
+        let second = seen.iter().rev().nth(1).map_or(0, Vec::len);
+        (second as f64 / 5.0, nearest_m(&seen.concat(), places[1]))
+    };
+    let (passed_s, missed_m) = legs(Personality::ArduPlane);
+    let (reached_s, nearest_m) = legs(Personality::Generic);
+    assert!(missed_m > 1.0 && passed_s < 3.0, "{missed_m} m, {passed_s} s");
+    assert!(nearest_m <= 1.5 && reached_s > passed_s, "{nearest_m} m, {reached_s} s");
 }

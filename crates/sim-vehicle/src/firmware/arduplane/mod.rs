@@ -42,7 +42,7 @@ pub(super) const RULES: Rules = Rules {
     fence_forbids_arming: true,
     fence_action,
     tells_arming_reason: true,
-    has_mode_switch: true,
+    has_switches: true,
     any_ground_station: false,
     watches_streams: false,
 
@@ -53,6 +53,8 @@ pub(super) const RULES: Rules = Rules {
     takes_off_before_mission: false,
     return_item_stays_current: true,
     nan_params_are_left_out: false,
+    stores_turns_in_bytes: true,
+    passes_waypoints: true,
     upload_can_be_broken_off: false,
     asks_by_old_message: true,
     tells_next_flown_item: true,

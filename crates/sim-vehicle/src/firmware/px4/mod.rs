@@ -48,7 +48,7 @@ pub(super) const RULES: Rules = Rules {
     fence_forbids_arming: false,
     fence_action,
     tells_arming_reason: false,
-    has_mode_switch: false,
+    has_switches: false,
     any_ground_station: true,
     watches_streams: true,
 
@@ -59,6 +59,8 @@ pub(super) const RULES: Rules = Rules {
     takes_off_before_mission: true,
     return_item_stays_current: false,
     nan_params_are_left_out: true,
+    stores_turns_in_bytes: false,
+    passes_waypoints: false,
     asks_by_old_message: false,
     tells_next_flown_item: false,
     tells_paused_mission: true,

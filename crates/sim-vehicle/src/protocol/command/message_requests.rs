@@ -89,7 +89,7 @@ pub(crate) fn answer_old_request(
     if p1 != 1.0 {
         return Err(CommandError::failed("Request: param 1 is not 1"));
     }
-    component.send_stream(link, stream);
+    component.asked_for.push((link, stream));
     Ok(())
 }
 
@@ -118,7 +118,12 @@ pub(crate) fn request_message(component: &mut Component, [id, p2]: [f32; 2], lin
     if personality == CommandSet::Px4 && !px4_has(&component.autopilot, stream) {
         return Err(CommandError::denied(format!("Message {id} has no content now")).quietly());
     }
-    component.send_stream(link, stream);
+    // An ArduPlane acknowledges first, and clients wait for the message after that.
+    if personality == CommandSet::Px4 {
+        component.send_stream(link, stream);
+    } else {
+        component.asked_for.push((link, stream));
+    }
     Ok(())
 }
 

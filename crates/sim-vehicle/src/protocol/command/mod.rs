@@ -79,7 +79,7 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
             message_requests::answer_old_request(component, p1, Stream::ProtocolVersion, link)
         }
         MavCmd::MAV_CMD_GET_HOME_POSITION => {
-            component.send_stream(link, Stream::HomePosition);
+            component.asked_for.push((link, Stream::HomePosition));
             Ok(())
         }
         _ => Err(CommandError::unsupported()),
@@ -93,6 +93,7 @@ pub(crate) fn execute_by_number(autopilot: &mut Autopilot, raw: &mavlink_bridge:
     const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
     const DO_SEND_BANNER: u16 = 42_428;
     const BATTERY_RESET: u16 = 42_651;
+    const DO_AUX_FUNCTION: u16 = 218;
     let [p1, p2, ..] = raw.params;
     match raw.number {
         GUIDED_CHANGE_ALTITUDE => {
@@ -105,9 +106,21 @@ pub(crate) fn execute_by_number(autopilot: &mut Autopilot, raw: &mavlink_bridge:
             Ok(())
         }
         BATTERY_RESET if autopilot.rules().has_ardupilot_commands => preflight::reset_battery(autopilot, [p1, p2]),
+        DO_AUX_FUNCTION if is_done_by_switch(autopilot, [p1, p2]) => Ok(()),
         number => {
             answers::for_device(autopilot.rules(), number, raw.params).unwrap_or(Err(CommandError::unsupported()))
         }
+    }
+}
+
+/// DO_AUX_FUNCTION. Param 1: the function of a switch. Param 2: its position, 0 to 2.
+fn is_done_by_switch(autopilot: &mut Autopilot, params: [f32; 2]) -> bool {
+    let [function, position] = params.map(integer);
+    match (u16::try_from(function), usize::try_from(position)) {
+        (Ok(function), Ok(position @ 0..=2)) if autopilot.rules().has_switches => {
+            autopilot.run_function(function, position)
+        }
+        _ => false,
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::MissionService;
 use super::check::{check, items_max, mission_type, refusal, result_of};
-use crate::autopilot::mission::items::has_heading;
+use crate::autopilot::mission::items::{LOITER_TURNS, has_heading};
 use crate::autopilot::plan::PlanKind;
 use crate::error::Severity;
 use crate::firmware::rules::Rules;
@@ -329,6 +329,11 @@ impl MissionService {
 
 /// An item as it is understood: of some autopilots, a param that is not a number is one left out.
 pub(super) fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
+    // What is no number is refused as it is.
+    let is_finite = item.params.iter().all(|param| param.is_finite());
+    if rules.stores_turns_in_bytes && item.command == LOITER_TURNS && is_finite {
+        return in_bytes(item);
+    }
     if !rules.nan_params_are_left_out {
         return item;
     }
@@ -337,6 +342,16 @@ pub(super) fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
         params[3] = item.params[3];
     }
     PlanItem { params, ..item }
+}
+
+/// NAV_LOITER_TURNS as an ArduPlane keeps it, in two bytes: up to 255 turns, whole ones from one on, else in parts of
+/// 256; the radius in whole metres up to 255, else in tens of them.
+fn in_bytes(item: PlanItem) -> PlanItem {
+    let [turns, p2, radius_m, p4] = item.params;
+    let turns = if turns > 0.0 && turns < 1.0 { (turns * 256.0).trunc() / 256.0 } else { turns.min(255.0).trunc() };
+    let size_m = radius_m.abs();
+    let size_m = if size_m <= 255.0 { size_m.trunc() } else { (size_m * 0.1).trunc().min(255.0) * 10.0 };
+    PlanItem { params: [turns, p2, size_m.copysign(radius_m), p4], ..item }
 }
 
 /// How an item of an upload is asked for. ArduPlane still asks by the older message, and some clients (dronekit) answer
