@@ -77,9 +77,9 @@ def test_climb_follows_its_parameter(start_vehicles):
 @pytest.mark.parametrize(
     ("airframe", "words"),
     [
-        ("plan", 'airframe "plan": file not found: must be "paper", "plane" or a file with a table [airframe]'),
+        ("plan", 'airframe "plan": file not found: must be "paper", "plane", "px4-plane" or a file with a table [airframe]'),
         ("[airframe]\nspeed = 3\n", ":2: "),
-        ('[airframe]\nbase = "jet"\n', 'airframe.base = "jet": must be "paper" or "plane"'),
+        ('[airframe]\nbase = "jet"\n', 'airframe.base = "jet": must be "paper", "plane", "px4-plane"'),
     ],
 )
 def test_what_is_wrong_with_an_airframe_is_told(program, tmp_path, airframe, words):

@@ -3,8 +3,8 @@
 use super::fault::Subject;
 
 /// Of a table that is written as an array.
-pub const TABLE_ONCE: &str = "must not be an array: only [[vehicle]] and [[obstacle]] are, of tables; every other \
-                              table is written once, as [name]";
+pub const TABLE_ONCE: &str = "must not be an array: only [[vehicle]], [[obstacle]] and [[airframes]] are, of \
+                              tables; every other table is written once, as [name]";
 
 /// Nearer names than this are taken for what was meant.
 const ALIKE: f64 = 0.75;

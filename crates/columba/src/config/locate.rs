@@ -107,7 +107,7 @@ pub fn key_at(table: &dyn TableLike, wanted: &Range<usize>, path: &str) -> Optio
 pub fn misplaced_array(table: &dyn TableLike, path: &str) -> Option<String> {
     for (name, item) in table.iter() {
         let path = join(path, name);
-        let is_list = path == "vehicle" || path == "obstacle";
+        let is_list = ["vehicle", "obstacle", "airframes"].contains(&path.as_str());
         let all_tables = item.as_array().is_none_or(|array| array.iter().all(Value::is_inline_table));
         let is_files = path == "parameters.files" && item.is_array();
         if (item.is_array() || item.is_array_of_tables()) && !(is_list && all_tables) && !is_files {
