@@ -125,8 +125,8 @@ def test_the_papers_flight(shell):
 
 def test_watching_in_real_time(shell):
     watching = section(README, "### Watch it in real time")
-    alone, two = [commands(code) for language, code in blocks(watching) if language == "sh"]
-    for line in alone:
+    alone, viewed, two = [commands(code) for language, code in blocks(watching) if language == "sh"]
+    for line in alone + viewed:
         shell.check(line)
     prepare, vehicles, fly = two
     shell.check(prepare)
