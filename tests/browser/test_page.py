@@ -61,7 +61,7 @@ def test_a_narrow_page_without_webgl_has_all_of_it(open_page, start_vehicles, sc
     assert 0 < place[0] < box["width"] and 0 < place[1] < box["height"], "the vehicle is in the picture"
     # What is drawn there is not the ground.
     drawn = "(() => { const c = document.querySelector('.picture'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0; for (let k = 3; k < d.length; k += 4) if (d[k] > 240) n++; return n; })()"
-    assert page.evaluate(drawn) > 20
+    until(page, f"{drawn} > 20")
 
 
 def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, start_fly, start_vehicles, field):  # noqa: F811
