@@ -27,7 +27,7 @@ use mavlink_bridge::dialect::{
     MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, RC_CHANNELS_DATA,
     SYS_STATUS_DATA,
 };
-use mavlink_bridge::{ArduPilotMessage, LatLonE7, local_position_ned, telemetry};
+use mavlink_bridge::{ArduPilotMessage, LatLonE7, boot_ms, local_position_ned, telemetry};
 use std::time::Duration;
 
 /// Everything that the messages are made of, at one moment.
@@ -229,7 +229,7 @@ impl Instruments<'_> {
             chan16_raw,
         ] = self.autopilot.session.channels.positions_us(self.time);
         Message::RC_CHANNELS(RC_CHANNELS_DATA {
-            time_boot_ms: self.time.as_millis() as u32,
+            time_boot_ms: boot_ms(self.time),
             chan1_raw,
             chan2_raw,
             chan3_raw,
@@ -290,7 +290,7 @@ impl Instruments<'_> {
     fn fence_status(&self) -> Message {
         let fence = &self.fence;
         Message::FENCE_STATUS(FENCE_STATUS_DATA {
-            breach_time: mavlink_bridge::boot_ms(fence.breached_at),
+            breach_time: boot_ms(fence.breached_at),
             breach_count: fence.breaches,
             breach_status: u8::from(fence.breached != 0),
             breach_type: breach_type(fence.breached),
