@@ -34,8 +34,8 @@ impl Fence {
         self.total = total;
     }
 
-    /// Takes a point. A fence that this protocol cannot tell is replaced. A polygon counts from its third corner on: the
-    /// number of corners is given if it has fewer.
+    /// Takes a point. A fence that this protocol cannot tell is replaced. A polygon counts from its third corner on:
+    /// the number of corners is given if it has fewer.
     pub fn set_point(&mut self, point: &FencePoint, frame: &LocalFrame) -> Result<Option<u8>, FencePointError> {
         let FencePoint { index, count, latitude_deg, longitude_deg } = *point;
         self.check_total()?;
