@@ -3,7 +3,7 @@
 use crate::forecast::{Craft, Forecast, LawContext};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
-use crate::{Decision, FlockError, FlockSettings, ForecastKind, Obstacle};
+use crate::{Decision, FlockError, FlockSettings, ForecastKind, Insight, Obstacle};
 use flight_model::State;
 use rayon::prelude::*;
 use std::time::Duration;
@@ -71,6 +71,19 @@ impl Flock {
     pub fn set_reference_speeds(&mut self, speeds_mps: &[f64]) {
         self.reference_speeds_mps.clear();
         self.reference_speeds_mps.extend_from_slice(speeds_mps);
+    }
+
+    /// Of which vehicles the next ticks tell what their optimiser had to choose from; none by default. Decisions are the
+    /// same with and without.
+    pub fn watch(&mut self, vehicles: &[usize]) {
+        for (vehicle, pilot) in self.pilots.iter_mut().enumerate() {
+            pilot.watch(vehicles.contains(&vehicle));
+        }
+    }
+
+    /// What the optimisers of the watched vehicles had to choose from at the last tick, with the vehicles' indices.
+    pub fn insights(&self) -> impl Iterator<Item = (usize, &Insight)> {
+        self.pilots.iter().enumerate().filter_map(|(vehicle, pilot)| Some((vehicle, pilot.insight()?)))
     }
 
     /// Algorithm 2 for one control period: a decision for each vehicle, in the order of `states`.
@@ -194,6 +207,7 @@ impl Flock {
             if let (Some(changed), Some(state)) = (pilot.reconsider(&around, vehicle, *decision), states.get(vehicle)) {
                 *decision = changed;
                 self.forecast.fly_again(&context, vehicle, state, changed.setpoint, changed.weights);
+                pilot.evaded(self.forecast.vehicle(vehicle));
             }
         }
     }
