@@ -8,7 +8,6 @@ const LIVE_LEAD_S = 0.25;
 /** So many choices of a vehicle are remembered. */
 const KEPT_MAX = 3000;
 const HEIGHT = 168, MARGIN = { left: 46, right: 12, top: 10, bottom: 32 };
-const SVG = "http://www.w3.org/2000/svg";
 const TERMS = ["formation", "obstacle", "velocity"];
 
 export class Choices {
@@ -154,8 +153,9 @@ export class Choices {
   }
 }
 
+/** An element of a drawing; the page's own parser knows the name space. */
 function shape(kind, attributes) {
-  const element = document.createElementNS(SVG, kind);
+  const element = document.createElementNS(document.getElementById("drawing").namespaceURI, kind);
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
   return element;
 }
