@@ -66,6 +66,7 @@ pub(super) const RULES: Rules = Rules {
     tells_paused_mission: true,
     mission_mode_suspended: 2,
 
+    renamed_parameters: &[],
     has_parameter: |parameter| !parameters::ABSENT_PARAMETERS.contains(&parameter),
     parameter: parameters::parameter,
     initial_parameters: &[
