@@ -94,9 +94,9 @@ impl std::str::FromStr for Verb {
     }
 }
 
-/// Number of MAV_CMD_USER_1: param 1 is 1 to abort, 2 to drop vehicle param 2, 3 to take it, 4 to pause it and 5 to resume
-/// it. Param 3 says how vehicles
-/// end: 0 as they were to end, or holding where a vehicle is dropped; 1 loiter, 2 return, 3 land.
+/// Number of MAV_CMD_USER_1: param 1 is 1 to abort, 2 to drop vehicle param 2, 3 to take it, 4 to pause it and 5 to
+/// resume it. Param 3 says how vehicles end: 0 as they were to end, or holding where a vehicle is dropped; 1 loiter, 2
+/// return, 3 land.
 const ABORT: f32 = 1.0;
 const DROP: f32 = 2.0;
 const TAKE: f32 = 3.0;
