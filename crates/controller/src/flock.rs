@@ -91,8 +91,8 @@ impl Flock {
         self.outlook.winds.extend(winds);
     }
 
-    /// Of which vehicles the next ticks tell what their optimiser had to choose from; none by default. Decisions are the
-    /// same with and without.
+    /// Of which vehicles the next ticks tell what their optimiser had to choose from; none by default. Decisions are
+    /// the same with and without.
     pub fn watch(&mut self, vehicles: &[usize]) {
         for (vehicle, pilot) in self.pilots.iter_mut().enumerate() {
             pilot.watch(vehicles.contains(&vehicle));

@@ -1,5 +1,6 @@
-//! Connections to the page's server: so many at once, and none that is idle for long. What waits or dawdles costs others
-//! their page at worst, and the flight nothing: its own files and sockets are not for the page's clients to use up.
+//! Connections to the page's server: so many at once, and none that is idle for long. What waits or dawdles costs
+//! others their page at worst, and the flight nothing: its own files and sockets are not for the page's clients to use
+//! up.
 
 use axum::extract::connect_info::Connected;
 use axum::serve::{IncomingStream, Listener};

@@ -14,8 +14,8 @@ const ROWS_MAX: usize = 300_000;
 const STEP_S: f64 = 0.1;
 /// Between two positions that are further apart than this, nobody knows where the vehicle was, s.
 const GAP_MAX_S: f64 = 1.5;
-/// Where the time of a record is so far ahead of the one before, or behind, the clock was set meanwhile, microseconds: a
-/// computer without a battery for its clock learns the time after it has started.
+/// Where the time of a record is so far ahead of the one before, or behind, the clock was set meanwhile, microseconds:
+/// a computer without a battery for its clock learns the time after it has started.
 const AHEAD_MAX_US: u64 = 24 * 3600 * 1_000_000;
 const BEHIND_MAX_US: u64 = 2_000_000;
 /// So many jumps of a clock are told.
