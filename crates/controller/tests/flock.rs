@@ -162,7 +162,10 @@ fn a_watched_vehicle_tells_its_front_and_where_it_leads_and_decides_the_same() {
             *state = autopilot.step(state, &decision.setpoint);
         }
         let path_m = insight.evasion_path_m.as_ref().unwrap_or(&chosen.path_m);
-        let off_m = |[x_m, y_m]: [f64; 2], state: &State| (state.x_m - x_m).hypot(state.y_m - y_m);
+        let off_m = |[x_m, y_m]: [f64; 2], state: &State| {
+            let (north_m, east_m) = (state.x_m - x_m, state.y_m - y_m);
+            (north_m * north_m + east_m * east_m).sqrt()
+        };
         assert_eq!(path_m.len(), 7, "the present, and six control periods");
         assert!(off_m(path_m[0], &from) < 1e-9);
         // The first command need not be the law's where the course would jump.
