@@ -37,5 +37,5 @@ pub use parameters::check::{ParameterFault, check_parameters};
 pub use parameters::file::{ParameterFile, ParameterFileError, Place};
 pub use protocol::mission::file::PlanFileError;
 pub use settings::{LockstepSettings, SettingsError, VehicleSettings};
-pub use telemetry::rates::TelemetryRates;
+pub use telemetry::rates::{LinkUse, TelemetryRates};
 pub use vehicle::Vehicle;

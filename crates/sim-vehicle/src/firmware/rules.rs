@@ -3,9 +3,9 @@
 
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
-use crate::telemetry::rates::TelemetryRates;
+use crate::telemetry::rates::{LinkUse, TelemetryRates};
 use crate::telemetry::streams::Stream;
-use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag, MavParamType};
+use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag, MavParamType, MavStandardMode};
 
 /// Where the default rate of a stream stands.
 pub(crate) type RateOf = fn(&mut TelemetryRates) -> &mut f64;
@@ -138,4 +138,22 @@ pub(crate) struct Rules {
     pub has_parameter_hash: bool,
     /// Streams that come unasked beyond those of all.
     pub more_streams: &'static [(Stream, RateOf)],
+    /// What comes unasked on a link of the autopilot's own simulator, Hz; none: what the settings say.
+    pub link_rates: fn(LinkUse) -> Option<&'static [(Stream, f64)]>,
+}
+
+impl Rules {
+    /// MAVLink's standard mode that one of the vehicle's is. Some autopilots have only modes of their own.
+    pub fn standard_mode(&self, mode: Mode) -> MavStandardMode {
+        match mode {
+            _ if !self.has_standard_modes => MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
+            Mode::Cruise => MavStandardMode::MAV_STANDARD_MODE_CRUISE,
+            Mode::Fbwb => MavStandardMode::MAV_STANDARD_MODE_ALTITUDE_HOLD,
+            Mode::Rtl => MavStandardMode::MAV_STANDARD_MODE_SAFE_RECOVERY,
+            Mode::Auto => MavStandardMode::MAV_STANDARD_MODE_MISSION,
+            Mode::Land => MavStandardMode::MAV_STANDARD_MODE_LAND,
+            Mode::Takeoff => MavStandardMode::MAV_STANDARD_MODE_TAKEOFF,
+            _ => MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
+        }
+    }
 }

@@ -15,6 +15,7 @@ use crate::autopilot::failsafe::battery::BatteryLevel;
 use crate::autopilot::fence::kinds::{CIRCLE, Kinds, MAX_ALTITUDE, POLYGON};
 use crate::autopilot::fence::monitor::FenceReport;
 use crate::autopilot::flight::Flight;
+use crate::firmware::offers::px4_has;
 use crate::firmware::rules::{CommandSet, Rules};
 use crate::mode::Mode;
 use crate::parameters::Parameters;
@@ -74,8 +75,7 @@ impl Instruments<'_> {
     pub fn has(&self, stream: Stream) -> bool {
         match stream {
             Stream::FenceStatus => self.fence.is_enabled,
-            // A PX4 has a position setpoint in flight alone.
-            Stream::PositionTargetLocalNed if self.rules.commands == CommandSet::Px4 => self.flight.is_flying(),
+            _ if self.rules.commands == CommandSet::Px4 => px4_has(self.autopilot, stream),
             _ => true,
         }
     }
@@ -144,6 +144,7 @@ impl Instruments<'_> {
             Stream::PositionTargetGlobalInt => self.position_target_global_int(),
             Stream::Altitude => self.altitude(),
             Stream::Odometry => self.odometry(),
+            Stream::CurrentMode => self.current_mode(),
             // What is only asked for; every stream is here or there.
             other => self.extra(other).unwrap_or_else(telemetry::protocol_version),
         }

@@ -71,6 +71,7 @@ pub(super) const RULES: Rules = Rules {
     has_parameter_hash: false,
     // Of the sticks it tells unasked.
     more_streams: &[(Stream::RcChannels, |rates| &mut rates.sys_status_hz)],
+    link_rates: |_| None,
 };
 
 /// FENCE_ACTION.

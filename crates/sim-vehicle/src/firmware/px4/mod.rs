@@ -3,6 +3,7 @@
 //! What it watches over is in `autopilot/failsafe/streams.rs`, what it does by itself in `autopilot/habits.rs`.
 
 pub(super) mod commands;
+mod link_rates;
 pub(super) mod messages;
 pub(super) mod mission_items;
 pub(super) mod modes;
@@ -90,6 +91,7 @@ pub(super) const RULES: Rules = Rules {
         (Stream::EstimatorStatus, |rates| &mut rates.home_position_hz),
         (Stream::Vibration, |rates| &mut rates.home_position_hz),
     ],
+    link_rates: link_rates::of,
     ..arduplane::RULES
 };
 
