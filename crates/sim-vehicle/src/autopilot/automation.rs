@@ -2,9 +2,9 @@
 //! disarming where it is armed and does not fly.
 
 use super::Autopilot;
+use super::arming::Cause;
 use super::habits::ends_a_flight;
 use super::timer::Timer;
-use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 
@@ -54,8 +54,7 @@ impl Autopilot {
         let since = self.session.timers.since(Timer::ArmedIdle, self.time).filter(|_| delay_s >= 0.0);
         let is_idle = self.flight.state().speed_mps == 0.0;
         if is_idle && since.is_some_and(|since| since.as_secs_f32() >= delay_s) {
-            self.disarm();
-            self.say(Severity::Critical, "Disarmed by auto preflight disarming");
+            self.disarm(Cause::Idle);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What differs between autopilots, by name: one const each. What is not here is the same for all of them, and
 //! ArduPlane's.
 
+use crate::firmware::words::Words;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use crate::telemetry::rates::{LinkUse, TelemetryRates};
@@ -9,6 +10,9 @@ use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag, MavParamType, MavStanda
 
 /// Where the default rate of a stream stands.
 pub(crate) type RateOf = fn(&mut TelemetryRates) -> &mut f64;
+
+/// Which streams a link has, and how often they come, Hz.
+pub(crate) type StreamRates = &'static [(Stream, f64)];
 
 /// Which answers to commands an autopilot has where ArduPlane's are others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +80,7 @@ pub(crate) struct Rules {
     pub has_ardupilot_commands: bool,
 
     // Arming and flying.
+    pub words: Words,
     pub fence_forbids_arming: bool,
     /// What a value of FENCE_ACTION brings about; none: words alone.
     pub fence_action: fn(u8) -> Option<Mode>,
@@ -115,10 +120,13 @@ pub(crate) struct Rules {
     pub asks_by_old_message: bool,
     /// Whether an item that is chosen and not flown to is told as the next one that is.
     pub tells_next_flown_item: bool,
-    /// Whether a mission that is not flown is told as paused.
-    pub tells_paused_mission: bool,
+    /// Whether the state of a mission is told as a PX4 does: paused once an item has been reached, active in a take-off
+    /// and a landing too, and with checksums of all plans.
+    pub tells_mission_as_px4: bool,
     /// MISSION_CURRENT.mission_mode while no mission is flown.
     pub mission_mode_suspended: u8,
+    /// Whether MISSION_ITEM_REACHED comes again, once a second, ten times.
+    pub repeats_reached: bool,
 
     // Parameters and telemetry.
     pub has_parameter: fn(Parameter) -> bool,
@@ -139,7 +147,7 @@ pub(crate) struct Rules {
     /// Streams that come unasked beyond those of all.
     pub more_streams: &'static [(Stream, RateOf)],
     /// What comes unasked on a link of the autopilot's own simulator, Hz; none: what the settings say.
-    pub link_rates: fn(LinkUse) -> Option<&'static [(Stream, f64)]>,
+    pub link_rates: fn(LinkUse) -> Option<StreamRates>,
 }
 
 impl Rules {

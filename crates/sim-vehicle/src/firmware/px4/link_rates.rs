@@ -4,10 +4,11 @@
 //! A message is sent once an integration step at most, and only while it has content. The GPS has a fix eight times a
 //! second.
 
+use crate::firmware::rules::StreamRates;
 use crate::telemetry::rates::LinkUse;
 use crate::telemetry::streams::Stream;
 
-pub(super) fn of(link_use: LinkUse) -> Option<&'static [(Stream, f64)]> {
+pub(super) fn of(link_use: LinkUse) -> Option<StreamRates> {
     Some(match link_use {
         LinkUse::Companion => &COMPANION,
         LinkUse::GroundStation => &GROUND_STATION,

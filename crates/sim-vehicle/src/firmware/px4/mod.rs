@@ -14,6 +14,7 @@ pub(super) mod preflight;
 
 use super::arduplane;
 use super::rules::{CommandSet, Rules, TargetSet};
+use super::words;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use crate::telemetry::streams::Stream;
@@ -46,6 +47,7 @@ pub(super) const RULES: Rules = Rules {
     home_is_above_sea: true,
     has_ardupilot_commands: false,
 
+    words: words::PX4,
     fence_forbids_arming: false,
     fence_action,
     tells_arming_reason: false,
@@ -61,11 +63,11 @@ pub(super) const RULES: Rules = Rules {
     return_item_stays_current: false,
     nan_params_are_left_out: true,
     stores_turns_in_bytes: false,
-    passes_waypoints: false,
     asks_by_old_message: false,
     tells_next_flown_item: false,
-    tells_paused_mission: true,
+    tells_mission_as_px4: true,
     mission_mode_suspended: 2,
+    repeats_reached: true,
 
     has_parameter: |parameter| !parameters::ABSENT_PARAMETERS.contains(&parameter),
     parameter: parameters::parameter,
@@ -74,6 +76,10 @@ pub(super) const RULES: Rules = Rules {
         // Its fence counts as soon as it is uploaded.
         (Parameter::FenceEnable, 1.0),
         (Parameter::FenceAction, 2.0),
+        // What airframes of fixed wings set (`rc.fw_defaults`).
+        (Parameter::WaypointRadius, 10.0),
+        (Parameter::TakeoffAltitude, 25.0),
+        (Parameter::PreflightDisarmDelay, -1.0),
     ],
     bytewise_parameters: true,
     parameter_names_have_case: true,
