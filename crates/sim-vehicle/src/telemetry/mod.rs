@@ -16,7 +16,7 @@ use crate::autopilot::fence::kinds::{CIRCLE, Kinds, MAX_ALTITUDE, POLYGON};
 use crate::autopilot::fence::monitor::FenceReport;
 use crate::autopilot::flight::Flight;
 use crate::autopilot::plan::PlanKind;
-use crate::firmware::offers::px4_has;
+use crate::firmware::offers::px4_streams;
 use crate::firmware::rules::{CommandSet, Rules};
 use crate::mode::Mode;
 use crate::parameters::Parameters;
@@ -76,7 +76,7 @@ impl Instruments<'_> {
     pub fn has(&self, stream: Stream) -> bool {
         match stream {
             Stream::FenceStatus => self.fence.is_enabled,
-            _ if self.rules.commands == CommandSet::Px4 => px4_has(self.autopilot, stream),
+            _ if self.rules.commands == CommandSet::Px4 => px4_streams(self.autopilot, stream),
             _ => true,
         }
     }

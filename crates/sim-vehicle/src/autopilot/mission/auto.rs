@@ -313,7 +313,8 @@ impl Autopilot {
         let altitude_m = self.reference().altitude_of(item);
         let stay = Duration::try_from_secs_f32(item.params[0]).unwrap_or_default();
         let is_there = (self.flight.estimate().altitude_m - altitude_m).abs() <= PX4_ALTITUDE_M && stay.is_zero();
-        let exit = self.exit_of(self.session.progress.current(), true);
+        // One that only climbs there goes on from where it is, one that stays towards what comes next.
+        let exit = self.exit_of(self.session.progress.current(), !stay.is_zero());
         let radius_m = self.flight.tuning().loiter_radius_m;
         (!is_there)
             .then(|| self.circle_until(at, radius_m, altitude_m, Goal::AltitudeAndStayed(altitude_m, stay), exit))

@@ -2,7 +2,7 @@
 //! `mavlink_main.cpp`, and `px4-rc.mavlink`, which sets some of them anew for ground stations).
 //!
 //! A message is sent once an integration step at most, and only while it has content. The GPS has a fix eight times a
-//! second.
+//! second. What is told once, when it becomes known (GPS_GLOBAL_ORIGIN), is known before anybody connects.
 
 use crate::firmware::rules::StreamRates;
 use crate::telemetry::rates::LinkUse;
@@ -15,7 +15,7 @@ pub(super) fn of(link_use: LinkUse) -> Option<StreamRates> {
     })
 }
 
-const COMPANION: [(Stream, f64); 31] = [
+const COMPANION: [(Stream, f64); 30] = [
     (Stream::Heartbeat, 1.0),
     (Stream::SysStatus, 5.0),
     (Stream::SystemTime, 1.0),
@@ -28,7 +28,6 @@ const COMPANION: [(Stream, f64); 31] = [
     (Stream::GlobalPositionInt, 50.0),
     (Stream::ServoOutputRaw, 10.0),
     (Stream::MissionCurrent, 1.0),
-    (Stream::GpsGlobalOrigin, 1.0),
     (Stream::NavControllerOutput, 10.0),
     (Stream::RcChannels, 20.0),
     (Stream::VfrHud, 10.0),
@@ -49,7 +48,7 @@ const COMPANION: [(Stream, f64); 31] = [
     (Stream::CurrentMode, 0.5),
 ];
 
-const GROUND_STATION: [(Stream, f64); 27] = [
+const GROUND_STATION: [(Stream, f64); 26] = [
     (Stream::Heartbeat, 1.0),
     (Stream::SysStatus, 1.0),
     (Stream::Ping, 0.1),
@@ -61,7 +60,6 @@ const GROUND_STATION: [(Stream, f64); 27] = [
     (Stream::GlobalPositionInt, 50.0),
     (Stream::ServoOutputRaw, 50.0),
     (Stream::MissionCurrent, 1.0),
-    (Stream::GpsGlobalOrigin, 1.0),
     (Stream::NavControllerOutput, 1.0),
     (Stream::RcChannels, 20.0),
     (Stream::VfrHud, 4.0),
