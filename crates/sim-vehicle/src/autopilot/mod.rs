@@ -254,8 +254,12 @@ impl Autopilot {
             self.session.progress.look_for_landing_again();
         }
         self.flight.set_mode(mode);
-        if mode == Mode::Auto && is_new && self.flight.is_armed() {
-            self.tell_mission_begins();
+        if is_new && self.flight.is_armed() {
+            match mode {
+                Mode::Auto => self.tell_mission_begins(),
+                Mode::Rtl => self.tell_return(),
+                _ => {}
+            }
         }
         if is_new {
             let session = &mut self.session;
@@ -480,6 +484,16 @@ impl Autopilot {
         let flying = acts.then(|| self.flight.here());
         for text in self.fence.replace_parts(items, &self.frame, self.flight.home().at(), flying) {
             self.say(Severity::Critical, text);
+        }
+    }
+
+    fn tell_return(&mut self) {
+        if let Some(words) = self.rules.words.returns {
+            let altitude_m = self.flight.state().altitude_m + self.flight.altitude_error_m();
+            let above_sea_m = self.frame.origin().altitude_amsl_m + altitude_m;
+            let above_home_m = altitude_m - self.flight.home().altitude_m;
+            let text = words(above_sea_m.ceil() as i64, above_home_m.ceil() as i64);
+            self.say(Severity::Info, &text);
         }
     }
 

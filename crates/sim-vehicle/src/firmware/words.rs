@@ -13,6 +13,8 @@ pub(crate) struct Words {
     pub contact: Option<[&'static str; 2]>,
     /// That a mission begins.
     pub mission_begins: Option<&'static str>,
+    /// That it returns: at which altitude, in whole metres above the sea and above where it returns to.
+    pub returns: Option<fn(i64, i64) -> String>,
     /// Whether each item of a mission is told when it begins and when it ends.
     pub narrates_missions: bool,
     /// That a mission is over: why, whether it is on the ground, and the name of the mode that follows.
@@ -25,6 +27,7 @@ pub(super) const ARDUPLANE: Words = Words {
     disarmed_after_landing: Some("Auto disarmed"),
     contact: None,
     mission_begins: None,
+    returns: None,
     narrates_missions: true,
     mission_ends: |why, _, next| format!("{why}, changing mode to {next}"),
 };
@@ -43,6 +46,7 @@ pub(super) const PX4: Words = Words {
     disarmed_after_landing: None,
     contact: Some(["Takeoff detected", "Landing detected"]),
     mission_begins: Some("Executing Mission"),
+    returns: Some(|sea_m, above_m| format!("RTL: start return at {sea_m} m ({above_m} m above destination)")),
     narrates_missions: false,
     mission_ends: |why, is_on_ground, _| {
         let text = match (why == crate::autopilot::MISSION_COMPLETE, is_on_ground) {

@@ -62,10 +62,10 @@ pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command)
     })
 }
 
+/// Neither of these modes is ever refused.
 fn go_home(autopilot: &mut Autopilot, mode: Mode, text: &str) -> Result<(), CommandError> {
-    change_mode(autopilot, mode)?;
     autopilot.say(Severity::Info, text);
-    Ok(())
+    change_mode(autopilot, mode)
 }
 
 fn arm_or_disarm(autopilot: &mut Autopilot, p1: f32, p2: f32) -> Result<(), CommandError> {
