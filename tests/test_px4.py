@@ -258,6 +258,7 @@ def test_altitudes_are_for_hold_and_guided_course(px4):
     assert px4.command_long(mavlink.MAV_CMD_DO_CHANGE_ALTITUDE, 120) == ACCEPTED
     assert px4.command_long(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH) == ACCEPTED
     assert px4.text().text == "Returning to launch"
+    assert px4.text().text == "RTL: start return at 120 m (70 m above destination)"
     assert px4.command_long(mavlink.MAV_CMD_DO_CHANGE_ALTITUDE, 120) == TEMPORARILY_REJECTED
     assert px4.text().text == "Altitude: mode is Return"
 
