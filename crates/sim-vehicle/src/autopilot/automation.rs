@@ -39,7 +39,7 @@ impl Autopilot {
     /// Take-off is over when it circles at its altitude.
     pub(super) fn hold_after_take_off(&mut self) {
         if self.mode() == Mode::Takeoff && self.flight.is_flying() && !self.flight.is_taking_off() {
-            let altitude_m = self.flight.aim().altitude_m;
+            let altitude_m = self.flight.target_altitude_m();
             self.set_mode(Mode::Loiter);
             self.flight.set_altitude(altitude_m, f64::INFINITY);
         }

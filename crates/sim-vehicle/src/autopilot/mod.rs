@@ -489,7 +489,7 @@ impl Autopilot {
 
     fn tell_return(&mut self) {
         if let Some(words) = self.rules.words.returns {
-            let altitude_m = self.flight.aim().altitude_m;
+            let altitude_m = self.flight.target_altitude_m();
             let above_sea_m = self.frame.origin().altitude_amsl_m + altitude_m;
             let above_home_m = altitude_m - self.flight.home().altitude_m;
             let text = words(above_sea_m.ceil() as i64, above_home_m.ceil() as i64);
