@@ -60,6 +60,8 @@ pub(crate) struct Rules {
     /// The mode that it starts in where an ArduPlane starts in another; the flag tells whether it is in lockstep.
     pub first_mode: fn(Mode, bool) -> Mode,
     pub mode_after_mission: Mode,
+    /// Whether its state is ACTIVE from arming on, and not only in flight.
+    pub is_active_once_armed: bool,
     /// Whether a new mode is told before the next heartbeat.
     pub tells_mode_at_once: bool,
     /// Whether AUTO without a mission returns; otherwise it is refused.

@@ -309,7 +309,7 @@ impl Instruments<'_> {
     fn status(&self) -> MavState {
         if self.autopilot.is_in_failsafe() {
             MavState::MAV_STATE_CRITICAL
-        } else if self.flight.is_flying() {
+        } else if self.flight.is_flying() || self.rules.is_active_once_armed && self.flight.is_armed() {
             MavState::MAV_STATE_ACTIVE
         } else {
             MavState::MAV_STATE_STANDBY

@@ -29,6 +29,7 @@ pub(super) const RULES: Rules = Rules {
     has_standard_modes: false,
     first_mode: |mode, _| mode,
     mode_after_mission: Mode::Rtl,
+    is_active_once_armed: false,
     tells_mode_at_once: true,
     returns_without_mission: true,
 

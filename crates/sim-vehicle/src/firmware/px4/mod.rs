@@ -35,6 +35,7 @@ pub(super) const RULES: Rules = Rules {
     has_standard_modes: true,
     first_mode,
     mode_after_mission: Mode::Loiter,
+    is_active_once_armed: true,
     // It does not tell before its next heartbeat.
     tells_mode_at_once: false,
     returns_without_mission: false,
