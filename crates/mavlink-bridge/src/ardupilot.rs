@@ -91,7 +91,7 @@ fn ints(values: [i32; 2]) -> impl Iterator<Item = u8> {
 }
 
 impl ArduPilotMessage {
-    fn new(id: u32, length: usize, bytes: impl Iterator<Item = u8>) -> Self {
+    pub(crate) fn new(id: u32, length: usize, bytes: impl Iterator<Item = u8>) -> Self {
         let mut payload = [0; PAYLOAD_MAX];
         payload.iter_mut().zip(bytes).for_each(|(field, byte)| *field = byte);
         Self { id, length, payload }

@@ -4,6 +4,7 @@ use crate::command::{Command, command};
 use crate::dialect::DialectMessage;
 use crate::mission::{PlanMessage, plan_message};
 use crate::parameter::{ParameterRequest, parameter_request};
+use crate::points::{PointRequest, point_request};
 use crate::{Counters, Frame, FrameError, Header, Message, Target, messages};
 
 /// A frame as a vehicle takes it.
@@ -54,6 +55,8 @@ pub enum Request {
         /// What is said of that plan.
         message: PlanMessage,
     },
+    /// The older protocols of fences and rally points, of ArduPilot's dialect.
+    Point(PointRequest),
     /// The command protocol (<https://mavlink.io/en/services/command.html>).
     Command(Command),
     /// Any other message of the dialect.
@@ -76,6 +79,8 @@ impl Incoming {
             (target, Request::Plan { mission_type, message })
         } else if let Some((target, command)) = command(frame) {
             (target, Request::Command(command))
+        } else if let Some((target, request)) = point_request(frame) {
+            (target, Request::Point(request))
         } else {
             let message = message?;
             let target = Target {

@@ -42,6 +42,7 @@ pub mod link;
 pub mod mission;
 pub mod multicast;
 pub mod parameter;
+pub mod points;
 pub mod setpoint;
 pub mod telemetry;
 pub mod tlog;
@@ -61,6 +62,7 @@ pub use incoming::{Incoming, Request, incoming};
 pub use mission::{ItemKind, PlanItem, PlanItemMessage, PlanMessage};
 pub use multicast::{MULTICAST_GROUP, MulticastLink, MulticastScope};
 pub use parameter::{PARAMETER_NAME_MAX, ParameterRequest, parameter_error, parameter_value};
+pub use points::{FencePoint, PointRequest, RallyPoint};
 pub use setpoint::{
     PartialSetpoint, SetpointError, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
 };

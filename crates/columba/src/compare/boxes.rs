@@ -1,6 +1,6 @@
 //! Box plots: how each contender's flights are spread, by one measure.
 
-use super::report::{Drawing, file_part};
+use super::drawing::{Drawing, file_part};
 use super::results::{ContenderSummary, MEASURES, Measure, Outcome};
 use super::tables;
 use crate::report::chart::{

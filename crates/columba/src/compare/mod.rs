@@ -6,6 +6,7 @@
 
 mod boxes;
 pub mod campaign;
+mod drawing;
 mod journal;
 mod parquet;
 mod plan;

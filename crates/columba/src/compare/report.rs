@@ -2,6 +2,7 @@
 
 use super::boxes;
 use super::campaign::{Crew, fly_once};
+use super::drawing::{Drawing, file_part};
 use super::plan::Plan;
 use super::results::{MEASURES, Outcome};
 use super::table_files;
@@ -25,16 +26,6 @@ pub struct Picture {
     caption: String,
     /// By the names of their files.
     drawings: Vec<Drawing>,
-}
-
-/// A figure of the page, and of a file.
-pub struct Drawing {
-    /// The file's name without an ending.
-    pub file: String,
-    /// What it shows.
-    pub title: String,
-    /// The drawing.
-    pub svg: String,
 }
 
 /// The three parts of the paper's figures.
@@ -91,11 +82,6 @@ fn picture(plan: &Plan, scenario: usize, contender: usize, flight: &Flight, file
         caption: format!("Seed {}. {}.", summary.seed, headline(summary)),
         drawings: PARTS.into_iter().map(drawing).collect(),
     }
-}
-
-/// A text as a part of a file's name.
-pub fn file_part(text: &str) -> String {
-    text.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
 }
 
 /// Of each scenario and contender a name that a file can have, each another one.

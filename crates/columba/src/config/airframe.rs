@@ -48,6 +48,16 @@ pub struct AirframeTable {
     plant: Option<PlantTable>,
 }
 
+/// One of `[[airframes]]`.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AirframesTable {
+    /// Numbers of vehicles from one: `"2-4, 7"`.
+    pub vehicles: String,
+    /// Theirs.
+    pub airframe: AirframeKey,
+}
+
 /// What a simulated vehicle of an airframe flies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 enum Flies {

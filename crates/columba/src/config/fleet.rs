@@ -4,17 +4,6 @@ use super::airframe::AirframeKey;
 use super::file::ScenarioFile;
 use super::provenance::Provenance;
 use flight_model::Airframe;
-use serde::{Deserialize, Serialize};
-
-/// One of `[[airframes]]`.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct AirframesTable {
-    /// Numbers of vehicles from one: `"2-4, 7"`.
-    pub vehicles: String,
-    /// Theirs.
-    pub airframe: AirframeKey,
-}
 
 /// The airframe of each vehicle that has one of its own; empty where none has. A later table stands over an earlier
 /// one, and that of `[[vehicle]]` over both.

@@ -1,6 +1,6 @@
 //! Scenario files: read, checked, and turned into what flies.
 //!
-//! `file.rs` is the file as written, `check/` its rules; `swarm.rs` a file of starts, `parameters.rs` parameter files.
+//! `file/` is the file as written, `check/` its rules; `swarm.rs` a file of starts, `parameters.rs` parameter files.
 //! Presets, flags and contenders are layers over the file: `layer.rs` is one of them, `provenance.rs` all of them
 //! together, `flags.rs` says which flag sets which key, `contender.rs` reads those of a comparison. `source.rs`,
 //! `locate.rs`, `fault.rs` and `diagnostics.rs` say what is wrong, and where.

@@ -10,6 +10,7 @@ mod real_time;
 mod recorder;
 mod setpoints;
 mod simulated;
+mod summary;
 mod vehicles;
 mod watch;
 mod world;
@@ -21,8 +22,9 @@ pub use log::Log;
 pub use memory::{Memory, fly_in_memory};
 pub use progress::{Progress, progress_over};
 pub use real_time::RealTime;
-pub use recorder::{Ended, Recorder, field, name_of, settings};
+pub use recorder::{Ended, Recorder};
 pub use simulated::{Simulated, fly_simulated};
+pub use summary::{Solves, field, judged, name_of, planned, settings};
 pub use vehicles::{
     LOCKSTEP_EPOCH_US, clock, host_settings, led_vehicle_settings, network, ports, reachable, sockets, vehicle_settings,
 };

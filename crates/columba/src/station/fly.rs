@@ -8,6 +8,7 @@ use super::track::velocity_mps;
 use super::vehicle::Vehicle;
 use super::{Phase, STALE_S, Station, end, number};
 use crate::flight::{Row, Tick, Trajectory};
+use crate::flying::Solves;
 use crate::identify::flight::StepFlight;
 use controller::{Decision, Flock, FlockSettings, Obstacle};
 use flight_model::{Dynamics, Setpoint, State};
@@ -46,7 +47,7 @@ pub struct Fly {
     /// Every tick, once all of it is heard.
     pub trajectory: Trajectory,
     /// Times of all solves.
-    pub solves: Vec<Duration>,
+    pub solves: Solves,
     /// Whether every tick was flown.
     pub completed: bool,
     /// Decisions that came late, and the latest of them, s.
@@ -92,7 +93,7 @@ impl Fly {
             ended: None,
             judge,
             trajectory,
-            solves: Vec::new(),
+            solves: Solves::default(),
             completed: false,
             late_ticks: 0,
             worst_late_s: 0.0,

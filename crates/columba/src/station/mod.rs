@@ -18,6 +18,7 @@ pub mod judge;
 pub mod limits;
 pub mod operator;
 pub mod outcome;
+pub mod peers;
 pub mod preflight;
 pub mod record;
 pub mod shell;
@@ -26,6 +27,7 @@ pub mod telemetry;
 pub mod told;
 pub mod track;
 pub mod vehicle;
+mod words;
 
 use crate::config::Scenario;
 use crate::identify::flight::StepFlight;
@@ -35,7 +37,7 @@ use frames::Origin;
 use mavlink_bridge::dialect::{COMMAND_ACK_DATA, MavAutopilot, MavCmd, MavResult, MavType, Message};
 use mavlink_bridge::kind::{AtEnd, Situation};
 use mavlink_bridge::telemetry::ground_heartbeat;
-use mavlink_bridge::{Frame, Header};
+use mavlink_bridge::{Counters, Frame, Header, SequenceTracker};
 use operator::Verb;
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -275,9 +277,8 @@ impl Station {
         }
         if let (Message::STATUSTEXT(_), Some((_, text))) = (&message, vehicle.texts.back()) {
             let (number, text) = (vehicle.slot.map(number), text.clone());
-            let is_failsafe = text.to_lowercase().contains("failsafe");
-            if is_failsafe {
-                self.told.once(now.as_secs_f64(), number, &text, Weight::Warning, format!("says: {text}"));
+            if let Some(weight) = words::of_failsafe(&text) {
+                self.told.once(now.as_secs_f64(), number, &text, weight, format!("says: {text}"));
             }
         }
         let vehicle = &self.vehicles[index];
@@ -286,16 +287,18 @@ impl Station {
         }
     }
 
-    /// Counts a frame of a vehicle's autopilot, and those that are missing before it. False for any other sender:
-    /// routers pass on only a part of what others say, so that gaps in their numbers are no losses.
-    pub fn count(&mut self, header: &Header, missing: u64) -> bool {
+    /// Takes note of the sequence number of a frame of a vehicle's autopilot. Other senders are not counted: routers
+    /// pass on only a part of what others say, so that gaps in their numbers are no losses.
+    pub fn count(&mut self, frame: &Frame<'_>, sequence: &mut SequenceTracker, counters: &mut Counters) {
+        let header = &frame.header;
         let is_sender = |vehicle: &&mut Vehicle| {
             (vehicle.id(), vehicle.target.component_id) == (header.system_id, header.component_id)
         };
-        let Some(vehicle) = self.vehicles.iter_mut().find(is_sender) else { return false };
-        vehicle.frames[0] += missing;
+        let Some(vehicle) = self.vehicles.iter_mut().find(is_sender) else { return };
+        let before = counters.lost;
+        sequence.observe(frame, counters);
+        vehicle.frames[0] += counters.lost - before;
         vehicle.frames[1] += 1;
-        true
     }
 
     /// Does what is due; call it every few hundredths of a second.

@@ -2,8 +2,8 @@
 
 use super::told::Weight;
 use super::{Station, number};
-use crate::flight::{Flight, Row, Summary, Tick, Trajectory, vehicle_number};
-use crate::flying::{field, name_of, settings};
+use crate::flight::{Flight, Row, Summary, Tick, Trajectory};
+use crate::flying::{self, Solves, field, judged, settings};
 use crate::judge::Verdict;
 use flight_model::{Setpoint, State};
 use serde_json::json;
@@ -27,12 +27,7 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
     let timing = fly.as_ref().map(|fly| (fly.ticks(), fly.late_ticks, fly.worst_late_s));
     let (mut solves, trajectory) = match fly {
         Some(fly) => (fly.solves, fly.trajectory),
-        None => (Vec::new(), on_the_spot(&station)),
-    };
-    solves.sort_unstable();
-    let percentile_us = |share: f64| {
-        let rank = (share * solves.len() as f64).ceil() as usize;
-        solves.get(rank.saturating_sub(1)).map_or(f64::NAN, |solve| solve.as_secs_f64() * 1e6)
+        None => (Solves::default(), on_the_spot(&station)),
     };
     let duration_s = trajectory.ticks.last().map_or(0.0, |tick| tick.t_s);
     let stop = station.stopped().cloned();
@@ -48,25 +43,8 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
         interrupted,
         success,
         failure,
-        obstacle_collisions: verdict.obstacle_collisions,
-        vehicle_collisions: verdict.vehicle_collisions,
-        separation_losses: verdict.separation_losses,
-        min_clearance_m: verdict.clearance.map(|least| least.value_m),
-        min_clearance_at_s: verdict.clearance.map(|least| least.at_s),
-        min_clearance_vehicle: verdict.clearance.map(|least| vehicle_number(least.whose)),
-        min_separation_m: verdict.separation.map(|least| least.value_m),
-        min_separation_at_s: verdict.separation.map(|least| least.at_s),
-        min_separation_vehicles: verdict.separation.map(|least| least.whose.map(vehicle_number)),
-        passed_last_obstacle: verdict.passed_last_obstacle,
-        speed_convergence_s: verdict.speed_convergence_s,
-        course_convergence_s: verdict.course_convergence_s,
-        altitude_settling_s: verdict.altitude_settling_s,
-        speed_variation_mps: verdict.smoothness.speed_variation_mps(),
-        course_variation_rad: verdict.smoothness.course_variation_rad(),
-        flock_radius_m: verdict.smoothness.radius_m(),
-        flock_radius_end_m: verdict.smoothness.radius_end_m(),
-        solve_us_p50: percentile_us(0.50),
-        solve_us_p99: percentile_us(0.99),
+        solve_us_p50: solves.percentile_us(0.50),
+        solve_us_p99: solves.percentile_us(0.99),
         wall_s: now_s,
         real_time_factor: if now_s > 0.0 { duration_s / now_s } else { 0.0 },
         link: links,
@@ -85,7 +63,7 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
                 "altitude_amsl_m": station.frame.origin().altitude_amsl_m,
             },
         }),
-        ..planned(&station)
+        ..judged(&verdict, planned(&station))
     };
     let dynamics = scenario.flock_settings().dynamics;
     Flight { field: field(scenario), settings: settings(scenario), summary, trajectory, dynamics }
@@ -93,19 +71,7 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
 
 /// What is known of a flight before it: the header of its journal.
 pub fn planned(station: &Station) -> Summary {
-    let scenario = &station.scenario;
-    Summary {
-        scenario: scenario.name.clone(),
-        seed: scenario.seed,
-        algorithm: scenario.optimizer.algorithm.key().to_owned(),
-        preset: name_of(&scenario.preset),
-        transport: "real-time".to_owned(),
-        vehicles: scenario.starts.len(),
-        obstacles: scenario.obstacles.len(),
-        control_period_s: scenario.control_period.as_secs_f64(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        ..Summary::default()
-    }
+    flying::planned(&station.scenario, "real-time")
 }
 
 /// What went wrong first, in words.

@@ -1,5 +1,6 @@
 //! The station's shell: links, clocks, the terminal and the files around the sans-I/O core.
 
+use super::peers::Peers;
 use super::record::{self, Recording};
 use super::vehicle::Route;
 use super::{GROUND, Phase, Station, operator, outcome, table};
@@ -11,7 +12,6 @@ use mavlink_bridge::link::{
 };
 use mavlink_bridge::{Counters, Encoder, SequenceTracker};
 use serde_json::json;
-use std::collections::HashMap;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
@@ -77,6 +77,20 @@ pub async fn run(mut station: Station, around: Surroundings, folder: &Path, mut 
     Ok(shell.end(station))
 }
 
+/// What a peer has sent in part, and the numbers of frames each way.
+struct Wire {
+    framer: Framer,
+    sequence: SequenceTracker,
+    encoder: Encoder,
+}
+
+impl Wire {
+    fn new() -> Self {
+        let (framer, sequence) = (Framer::default(), SequenceTracker::default());
+        Self { framer, sequence, encoder: Encoder::new(GROUND.0, GROUND.1) }
+    }
+}
+
 struct Shell {
     links: Links,
     connections: Vec<Connection>,
@@ -88,9 +102,7 @@ struct Shell {
     recording: Recording,
     started: Instant,
     started_us: u64,
-    framers: HashMap<Route, Framer>,
-    encoders: HashMap<Route, Encoder>,
-    sequences: HashMap<Route, SequenceTracker>,
+    peers: Peers<Wire>,
     counters: Vec<Counters>,
     events_told: usize,
     drawn: usize,
@@ -113,9 +125,7 @@ impl Shell {
             recording,
             started: Instant::now(),
             started_us: now.as_micros() as u64,
-            framers: HashMap::new(),
-            encoders: HashMap::new(),
-            sequences: HashMap::new(),
+            peers: Peers::default(),
             events_told: 0,
             drawn: 0,
             draw_at: Instant::now(),
@@ -162,9 +172,7 @@ impl Shell {
                 let text = format!("{} is down: {reason}; it is tried again", name(link));
                 station.told.once(now_s, None, &text.clone(), super::told::Weight::Warning, text);
             }
-            LinkEvent::Gone(link, peer) => {
-                self.framers.remove(&Route { link, peer });
-            }
+            LinkEvent::Gone(link, peer) => self.peers.forget(Route { link, peer }),
         }
     }
 
@@ -172,8 +180,7 @@ impl Shell {
         let route = Route { link: arrival.link, peer: arrival.peer };
         let (now, at_us) = (self.now(arrival.at), self.unix_us(arrival.at));
         let signed_at = signing_time(unix());
-        let framer = self.framers.entry(route).or_default();
-        let sequence = self.sequences.entry(route).or_default();
+        let Wire { framer, sequence, .. } = self.peers.of(route, Wire::new);
         let (Some(counters), Some(rejected)) =
             (self.counters.get_mut(arrival.link), self.rejected.get_mut(arrival.link))
         else {
@@ -190,11 +197,7 @@ impl Shell {
                 return;
             }
             recording.frame(at_us, frame.bytes);
-            let before = lost.lost;
-            sequence.observe(&frame, &mut lost);
-            if !station.count(&frame.header, lost.lost - before) {
-                lost.lost = before;
-            }
+            station.count(&frame, sequence, &mut lost);
             if matches!(found, mavlink_bridge::link::Found::Verified(_)) {
                 station.hear(&frame, route, now);
             }
@@ -212,7 +215,7 @@ impl Shell {
         let now = Instant::now();
         let at_us = self.unix_us(now);
         for outgoing in station.take_outgoing() {
-            let encoder = self.encoders.entry(outgoing.route).or_insert_with(|| Encoder::new(GROUND.0, GROUND.1));
+            let encoder = &mut self.peers.of(outgoing.route, Wire::new).encoder;
             let (link, peer) = (outgoing.route.link, outgoing.route.peer);
             let mut datagram = Vec::new();
             for message in &outgoing.messages {

@@ -65,6 +65,8 @@ pub struct Order {
 const HOLD_SETTLES: Duration = Duration::from_secs(1);
 /// Speed of the slow estimate of wind along the way, s.
 const AIRSPEED_TIME_CONSTANT_S: f64 = 8.0;
+/// So many ways to a vehicle are remembered: addresses are easily forged, and each is spoken to.
+const ROUTES_MAX: usize = 16;
 /// Words of a vehicle are remembered for so long.
 const TEXTS_KEPT: usize = 8;
 
@@ -291,6 +293,7 @@ impl Vehicle {
         });
         // A vehicle that is heard by no other way has a new address, and is itself.
         let first = if is_flying && speaks { Trust::New } else { Trust::Own };
+        self.make_room_for(route);
         let state = self.routes.entry(route).or_insert(RouteState { heard: now, trust: first, round_trip: None });
         state.heard = now;
         let mut trust = if speaks || state.trust == Trust::Other { state.trust } else { Trust::Own };
@@ -306,6 +309,18 @@ impl Vehicle {
             state.trust = trust;
         }
         trust == Trust::Own
+    }
+
+    /// One way too many displaces another: before all one that is not known to be the vehicle's, else the one that was
+    /// silent longest.
+    fn make_room_for(&mut self, route: Route) {
+        if self.routes.len() < ROUTES_MAX || self.routes.contains_key(&route) {
+            return;
+        }
+        let least = self.routes.iter().min_by_key(|(_, state)| (state.trust == Trust::Own, state.heard));
+        if let Some(least) = least.map(|(route, _)| *route) {
+            self.routes.remove(&least);
+        }
     }
 
     /// Age of its last position, s.
@@ -549,6 +564,21 @@ fn geodetic(latitude: i32, longitude: i32, altitude_mm: i32) -> Geodetic {
 mod tests {
     use super::*;
     use mavlink_bridge::dialect::{MavAutopilot, MavType};
+
+    #[test]
+    fn forged_addresses_do_not_displace_the_way_to_it() {
+        let beat = Message::HEARTBEAT(HEARTBEAT_DATA::DEFAULT);
+        let way = |port: u16| Route { link: 0, peer: Peer::Address(([127, 0, 0, 1], port).into()) };
+        let mut vehicle = Vehicle::new(1, 1);
+        assert!(vehicle.owns(&beat, way(1), false, Duration::ZERO));
+        for port in 1000..5000 {
+            let now = Duration::from_millis(u64::from(port));
+            vehicle.owns(&beat, way(1), true, now);
+            assert!(!vehicle.owns(&beat, way(port), true, now), "nobody knows whose that is");
+        }
+        assert_eq!(vehicle.routes.len(), ROUTES_MAX);
+        assert_eq!(vehicle.route(), Some(way(1)));
+    }
 
     #[test]
     fn a_mode_heard_before_an_order_to_hold_arrived_proves_nothing() {

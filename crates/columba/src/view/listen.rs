@@ -2,13 +2,13 @@
 
 use super::heard::Flock;
 use crate::flying::{Stop, stopped};
+use crate::station::peers::Peers;
 use crate::station::telemetry;
 use crate::station::vehicle::Route;
 use live_view::{Feed, Scene, VehicleNow};
 use mavlink_bridge::dialect::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType, Message};
 use mavlink_bridge::link::{Arrival, Framer, LinkEvent, Links};
 use mavlink_bridge::{Counters, Encoder};
-use std::collections::{BTreeSet, HashMap};
 use std::time::{Duration, Instant};
 
 /// The listener is no ground station: an autopilot whose own ground station (255) is lost must notice that.
@@ -26,13 +26,14 @@ pub async fn listen(feed: Feed, mut links: Links, calls: Vec<Route>, speaks: boo
     let mut listener = Listener {
         feed,
         flock: Flock::new(true),
-        framers: HashMap::new(),
+        peers: Peers::default(),
         counters: Counters::default(),
-        encoders: HashMap::new(),
-        routes: calls.into_iter().collect(),
         started: Instant::now(),
         beat: None,
     };
+    for route in calls {
+        listener.peers.of(route, Wire::new).is_spoken_to = true;
+    }
     let mut next = tokio::time::Instant::now();
     loop {
         tokio::select! {
@@ -58,19 +59,30 @@ pub async fn listen(feed: Feed, mut links: Links, calls: Vec<Route>, speaks: boo
 struct Listener {
     feed: Feed,
     flock: Flock<Route>,
-    framers: HashMap<Route, Framer>,
+    peers: Peers<Wire>,
     counters: Counters,
-    encoders: HashMap<Route, Encoder>,
-    routes: BTreeSet<Route>,
     started: Instant,
     beat: Option<Instant>,
+}
+
+/// What a peer has sent in part, the numbers of frames to the peer, and whether the peer gets heartbeats.
+struct Wire {
+    framer: Framer,
+    encoder: Encoder,
+    is_spoken_to: bool,
+}
+
+impl Wire {
+    fn new() -> Self {
+        Self { framer: Framer::default(), encoder: Encoder::new(LISTENER.0, LISTENER.1), is_spoken_to: false }
+    }
 }
 
 impl Listener {
     fn arrive(&mut self, arrival: &Arrival) {
         let route = Route { link: arrival.link, peer: arrival.peer };
         let now = arrival.at.saturating_duration_since(self.started);
-        let Self { flock, framers, counters, .. } = self;
+        let Self { flock, peers, counters, .. } = self;
         let mut heard = false;
         let take = |found: mavlink_bridge::link::Found<'_>| {
             let frame = found.frame();
@@ -78,15 +90,13 @@ impl Listener {
                 heard |= flock.hear(&frame.header, &message, route, now).is_some();
             }
         };
-        let framer = framers.entry(route).or_default();
+        let Wire { framer, is_spoken_to, .. } = peers.of(route, Wire::new);
         if arrival.is_stream {
             framer.push(&arrival.bytes, counters, take);
         } else {
             framer.push_datagram(&arrival.bytes, counters, take);
         }
-        if heard {
-            self.routes.insert(route);
-        }
+        *is_spoken_to |= heard;
     }
 
     fn show(&mut self) {
@@ -118,7 +128,8 @@ impl Listener {
         let mut outgoing: Vec<(Route, Vec<Message>)> = Vec::new();
         if beats {
             self.beat = Some(Instant::now());
-            outgoing.extend(self.routes.iter().map(|&route| (route, vec![heartbeat()])));
+            let spoken_to = self.peers.iter().filter(|(_, wire)| wire.is_spoken_to);
+            outgoing.extend(spoken_to.map(|(route, _)| (route, vec![heartbeat()])));
         }
         for one in &mut self.flock.all {
             let since = now.saturating_sub(one.placed.or(one.vehicle.first_heartbeat).unwrap_or(now));
@@ -127,7 +138,7 @@ impl Listener {
             }
         }
         for (route, messages) in outgoing.into_iter().filter(|(_, messages)| !messages.is_empty()) {
-            let encoder = self.encoders.entry(route).or_insert_with(|| Encoder::new(LISTENER.0, LISTENER.1));
+            let encoder = &mut self.peers.of(route, Wire::new).encoder;
             let mut datagram = Vec::new();
             messages.iter().for_each(|message| encoder.encode(message, &mut datagram));
             links.send(route.link, route.peer, datagram);

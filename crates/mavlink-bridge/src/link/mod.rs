@@ -6,15 +6,20 @@
 
 mod clock;
 mod connection;
+mod event;
 mod framer;
+mod retry;
 mod serial;
 mod shell;
 mod signing;
+mod spec;
 mod tcp;
 mod udp;
 
 pub use clock::VehicleClock;
 pub use connection::{Connection, ConnectionError, DEFAULT_BAUD, HostPort};
+pub use event::{Arrival, LinkEvent, Peer};
 pub use framer::{Found, Framer};
-pub use shell::{Arrival, LinkEvent, LinkSpec, Links, OpenError, Peer};
+pub use shell::Links;
 pub use signing::{KeyError, Rejected, Rejection, Signing, SigningKey, signing_time};
+pub use spec::{LinkSpec, OpenError};

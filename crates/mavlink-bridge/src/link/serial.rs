@@ -1,6 +1,7 @@
 //! Serial lines: radios and cables. A port that goes away, as a USB cable does, is opened again when it is back.
 
-use super::shell::{Arrival, Events, LinkEvent, Peer, Send, wait_to_retry};
+use super::event::{Arrival, Events, LinkEvent, Peer, Send};
+use super::retry::wait_to_retry;
 use serial2_tokio::SerialPort;
 use std::time::Instant;
 use tokio::sync::mpsc;

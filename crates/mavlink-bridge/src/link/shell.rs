@@ -1,111 +1,19 @@
 //! The links of a ground station, on a thread of their own, so that what arrives is stamped when it arrives and not
 //! when somebody has time for it.
 
-use super::{Connection, HostPort, serial, tcp, udp};
-use crate::{Counters, ImpairmentSettings, LinkError};
+use super::event::{Events, LinkEvent, Peer, Send, SocketCounters};
+use super::spec::{LinkSpec, OpenError};
+use super::{Connection, serial, tcp, udp};
+use crate::Counters;
 use std::io;
-use std::net::{SocketAddr, ToSocketAddrs};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::net::SocketAddr;
+use std::sync::PoisonError;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
 
 /// What may wait to be sent on one link: a serial line that is slower than what it is given loses the rest, and says
 /// so.
 const QUEUE_MAX: usize = 256;
-/// A link that is down is tried again after this.
-pub(super) const RETRY: Duration = Duration::from_millis(500);
-
-/// A link to open.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LinkSpec {
-    /// How.
-    pub connection: Connection,
-    /// UDP addresses to speak to unasked, beside those who speak first.
-    pub calls: Vec<SocketAddr>,
-    /// What spoils it each way, for tests.
-    pub impairment: ImpairmentSettings,
-    /// Seed of the impairment.
-    pub seed: u64,
-}
-
-/// Who is at the other end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Peer {
-    /// The address of a datagram, or of a connection that was accepted.
-    Address(SocketAddr),
-    /// The only one there can be: of a serial line, or of a connection that was made.
-    Only,
-}
-
-/// Bytes that arrived.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Arrival {
-    /// The index of the link.
-    pub link: usize,
-    /// From whom.
-    pub peer: Peer,
-    /// When.
-    pub at: Instant,
-    /// A datagram, or the next piece of a stream.
-    pub bytes: Vec<u8>,
-    /// Whether frames may go on in the next piece.
-    pub is_stream: bool,
-}
-
-/// What a link tells.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum LinkEvent {
-    /// Something arrived.
-    Arrival(Arrival),
-    /// The link is open, or open again.
-    Up(usize),
-    /// The link is down, and why; it is tried again.
-    Down(usize, String),
-    /// A connection that was accepted is gone.
-    Gone(usize, Peer),
-}
-
-/// Why a link cannot be opened at all.
-#[derive(Debug, thiserror::Error)]
-pub enum OpenError {
-    /// An address that cannot be bound, or settings out of range.
-    #[error("{connection}: {source}")]
-    Udp {
-        /// The link.
-        connection: Connection,
-        /// Why.
-        source: LinkError,
-    },
-    /// A TCP port that cannot be bound.
-    #[error("{connection}: {source}")]
-    Tcp {
-        /// The link.
-        connection: Connection,
-        /// Why.
-        source: io::Error,
-    },
-    /// A name that no host has.
-    #[error("{connection}: there is no host of that name: {reason}")]
-    Host {
-        /// The link.
-        connection: Connection,
-        /// What the system says.
-        reason: String,
-    },
-    /// The thread or its runtime.
-    #[error("cannot start the links: {0}")]
-    Thread(#[source] io::Error),
-}
-
-/// A message to a link.
-pub(super) type Send = (Peer, Vec<u8>);
-/// Where links put what they tell.
-pub(super) type Events = mpsc::UnboundedSender<LinkEvent>;
-
-/// What a socket itself counts, for others to read while it runs.
-pub(super) type SocketCounters = Arc<Mutex<Counters>>;
-
 /// Open links.
 #[derive(Debug)]
 pub struct Links {
@@ -244,37 +152,4 @@ fn run(
             while tasks.join_next().await.is_some() {}
         }
     });
-}
-
-/// A link is down: says why, once for each reason, and waits until it is to be tried again. What was to be sent
-/// meanwhile is out of date then, and thrown away. False when nobody wants the link any more.
-pub(super) async fn wait_to_retry(
-    link: usize,
-    reason: String,
-    told: &mut Option<String>,
-    taker: &mut mpsc::Receiver<Send>,
-    tell: &Events,
-) -> bool {
-    if told.as_ref() != Some(&reason) {
-        if tell.send(LinkEvent::Down(link, reason.clone())).is_err() {
-            return false;
-        }
-        *told = Some(reason);
-    }
-    let again = tokio::time::sleep(RETRY);
-    tokio::pin!(again);
-    loop {
-        tokio::select! {
-            () = &mut again => return true,
-            wanted = taker.recv() => if wanted.is_none() { return false },
-        }
-    }
-}
-
-/// The addresses of a host, of which the first is used.
-pub(super) fn resolve(connection: &Connection, address: &HostPort) -> Result<SocketAddr, OpenError> {
-    let refused = |reason: String| OpenError::Host { connection: connection.clone(), reason };
-    let mut found =
-        (address.host.as_str(), address.port).to_socket_addrs().map_err(|error| refused(error.to_string()))?;
-    found.next().ok_or_else(|| refused("it has no address".to_owned()))
 }

@@ -1,6 +1,8 @@
 //! TCP: a connection that is made again whenever it breaks, or a port where others connect.
 
-use super::shell::{Arrival, Events, LinkEvent, LinkSpec, OpenError, Peer, RETRY, Send, resolve, wait_to_retry};
+use super::event::{Arrival, Events, LinkEvent, Peer, Send};
+use super::retry::{RETRY, wait_to_retry};
+use super::spec::{LinkSpec, OpenError, resolve};
 use super::{Connection, HostPort};
 use std::collections::HashMap;
 use std::io;

@@ -1,7 +1,9 @@
 //! UDP: one socket, any number of peers.
 
 use super::Connection;
-use super::shell::{Arrival, Events, LinkEvent, LinkSpec, OpenError, Peer, RETRY, Send, SocketCounters, resolve};
+use super::event::{Arrival, Events, LinkEvent, Peer, Send, SocketCounters};
+use super::retry::RETRY;
+use super::spec::{LinkSpec, OpenError, resolve};
 use crate::{Counters, LinkSettings, UdpLink};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::PoisonError;

@@ -385,8 +385,10 @@ impl Autopilot {
 
     /// Takes a value of a parameter, and does what it means to the flight.
     pub fn set_parameter(&mut self, parameter: Parameter, value: f32) -> Result<(), ParameterError> {
-        // Simulated time is its controller's.
-        if parameter == Parameter::Speedup && self.is_in_lockstep {
+        // Simulated time is its controller's, and the points of older protocols are ArduPilot's.
+        let is_told_only = parameter == Parameter::Speedup && self.is_in_lockstep
+            || parameter.row().effect == Effect::Points && !self.rules.has_ardupilot_commands;
+        if is_told_only {
             return Err(ParameterError::ReadOnly(self.parameters.name(parameter).into()));
         }
         self.parameters.set(parameter, value)?;
@@ -394,6 +396,9 @@ impl Autopilot {
             Effect::Tuning => self.flight.retune(Tuning::of(&self.parameters, self.loiter_radius_m)),
             Effect::Battery => self.world.replace_battery(),
             Effect::Fence => self.session.fence.reconfigure(parameter, &self.parameters),
+            // In range, so it fits.
+            Effect::Points if parameter == Parameter::FenceTotal => self.fence.set_total(value as u8),
+            Effect::Points => self.rally.set_total(value as u16),
             Effect::SetpointTimeout => self.restart_setpoint_timeout(),
             Effect::SystemId | Effect::Rates(_) | Effect::RadioLoss | Effect::Speedup => {}
             Effect::LookedUp | Effect::ReadOnly => {}
@@ -407,7 +412,7 @@ impl Autopilot {
             Parameter::RunTime => self.time.as_secs() as f32,
             Parameter::BootCount => f32::from(self.boots),
             Parameter::MissionTotal => self.mission.items().len() as f32,
-            Parameter::FenceTotal => self.fence.total() as f32,
+            Parameter::FenceTotal => f32::from(self.fence.total()),
             Parameter::RallyTotal => self.rally.items().len() as f32,
             other => self.parameters.get(other),
         }
@@ -420,6 +425,11 @@ impl Autopilot {
             PlanKind::Fence => self.fence.items(),
             PlanKind::Rally => self.rally.items(),
         }
+    }
+
+    /// The fence and the rally points, for the older protocols that write them point by point.
+    pub fn points(&mut self) -> (&mut Fence, &mut Rally, &LocalFrame) {
+        (&mut self.fence, &mut self.rally, &self.frame)
     }
 
     /// Takes a plan whose items have been checked one by one, or says why it makes no sense as a whole. `anew` tells

@@ -48,7 +48,7 @@ fn px4_rule(request: &Request) -> Rule {
             | Message::SET_ATTITUDE_TARGET(_),
         ) => Rule::Broadcast,
         Request::Message(Message::SET_GPS_GLOBAL_ORIGIN(_)) => Rule::SystemAnyComponent,
-        Request::Message(_) => Rule::AnyComponent,
+        Request::Point(_) | Request::Message(_) => Rule::AnyComponent,
     }
 }
 

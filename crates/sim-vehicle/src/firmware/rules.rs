@@ -78,7 +78,7 @@ pub(crate) struct Rules {
     pub unknown_interval_fails: bool,
     /// Whether DO_SET_HOME is above sea level whatever the frame.
     pub home_is_above_sea: bool,
-    /// Whether ArduPilot's own commands are known: DO_SEND_BANNER, BATTERY_RESET.
+    /// Whether ArduPilot's own commands and messages are known: DO_SEND_BANNER, BATTERY_RESET, FENCE_POINT.
     pub has_ardupilot_commands: bool,
 
     // Arming and flying.

@@ -9,7 +9,7 @@ use crate::telemetry::rates::TelemetryRates;
 use crate::telemetry::streams::{Schedule, Stream, interval_of};
 use crate::world::{Noise, Source};
 use mavlink_bridge::dialect::{DialectMessage, MavMissionResult, MavResult, Message};
-use mavlink_bridge::{Counters, Encoder, PlanItemMessage, Target, Version, frames};
+use mavlink_bridge::{ArduPilotMessage, Counters, Encoder, PlanItemMessage, Target, Version, frames};
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -261,9 +261,14 @@ impl Links {
     /// Sends what a stream has to say.
     pub fn send_stream(&mut self, index: usize, stream: Stream, instruments: &Instruments<'_>) {
         match instruments.ardupilot_message(stream) {
-            Some(message) => self.write(index, |encoder, frame| encoder.encode_ardupilot(&message, frame)),
+            Some(message) => self.send_ardupilot(index, &message),
             None => self.send(index, &instruments.message(stream)),
         }
+    }
+
+    /// Sends a message of ArduPilot's dialect.
+    pub fn send_ardupilot(&mut self, index: usize, message: &ArduPilotMessage) {
+        self.write(index, |encoder, frame| encoder.encode_ardupilot(message, frame));
     }
 
     pub fn send_all(&mut self, message: &Message) {

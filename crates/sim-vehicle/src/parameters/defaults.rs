@@ -12,7 +12,7 @@ impl Parameters {
     pub fn adopt<'a>(&mut self, files: &'a ParameterFile) -> Vec<(Parameter, &'a ParameterEntry)> {
         self.inert = files.inert(self.rules, |name| self.named(name).is_some());
         let known = files.entries().iter().filter_map(|entry| Some((self.named(&entry.name)?, entry)));
-        let is_taken = |parameter: &Parameter| !parameter.is_read_only() && *parameter != Parameter::Speedup;
+        let is_taken = |parameter: &Parameter| !parameter.is_counted() && *parameter != Parameter::Speedup;
         known.filter(|(parameter, _)| is_taken(parameter)).collect()
     }
 

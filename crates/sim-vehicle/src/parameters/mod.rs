@@ -224,7 +224,10 @@ impl Parameters {
     pub fn kept(&self) -> impl Iterator<Item = (&str, f64)> {
         // The clock is the host's, and runs as it is told at each start.
         let is_kept = |parameter: Parameter| {
-            self.is_set[parameter as usize] && !self.is_default[parameter as usize] && parameter != Parameter::Speedup
+            self.is_set[parameter as usize]
+                && !self.is_default[parameter as usize]
+                && parameter != Parameter::Speedup
+                && !parameter.is_counted()
         };
         let kept = Parameter::ALL.iter().copied().filter(move |parameter| is_kept(*parameter));
         let inert = self.inert.iter().filter(|own| own.is_set()).map(|own| (own.name(), own.value()));

@@ -1,5 +1,6 @@
 //! The list of parameters: one row for each, in the order of their indices.
 
+use crate::autopilot::rally::POINTS_MAX as RALLY_POINTS_MAX;
 use crate::telemetry::rates::TelemetryRates;
 use mavlink_bridge::dialect::MavParamType;
 use mavlink_bridge::dialect::MavParamType::{
@@ -89,6 +90,8 @@ pub(crate) enum Effect {
     Battery,
     /// Which fences are enabled.
     Fence,
+    /// How many points the fence or the rally points have; of ArduPilot's older protocols.
+    Points,
     /// How fast the clock of the host runs.
     Speedup,
     /// When the lack of setpoints becomes a failsafe.
@@ -242,14 +245,14 @@ parameters! {
     FenceAltitudeMax: "FENCE_ALT_MAX", REAL, |_| 100.0, |_| (0.0, 10_000.0), Effect::LookedUp;
     FenceRadius: "FENCE_RADIUS", REAL, |_| 300.0, |_| (0.0, 1e6), Effect::LookedUp;
     FenceMargin: "FENCE_MARGIN", REAL, |_| 2.0, |_| (0.0, 1000.0), Effect::LookedUp;
-    FenceTotal: "FENCE_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    FenceTotal: "FENCE_TOTAL", INT8, |_| 0.0, |_| (0.0, 127.0), Effect::Points;
     FenceAltitudeMin: "FENCE_ALT_MIN", REAL, |_| -10.0, |_| (-100.0, 10_000.0), Effect::LookedUp;
     FenceReturnToRally: "FENCE_RET_RALLY", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     FenceReturnAltitude: "FENCE_RET_ALT", INT16, |_| 0.0, |_| (0.0, f32::from(i16::MAX)), Effect::LookedUp;
     FenceAutoEnable: "FENCE_AUTOENABLE", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::Fence;
     FenceOptions: "FENCE_OPTIONS", INT16, |_| 1.0, |_| (0.0, 7.0), Effect::LookedUp;
     MissionTotal: "MIS_TOTAL", INT16, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
-    RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, 0.0), Effect::ReadOnly;
+    RallyTotal: "RALLY_TOTAL", INT8, |_| 0.0, |_| (0.0, f32::from(RALLY_POINTS_MAX)), Effect::Points;
     RallyLimit: "RALLY_LIMIT_KM", REAL, |_| 5.0, |_| (0.0, 1000.0), Effect::LookedUp;
     RallyIncludesHome: "RALLY_INCL_HOME", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
 
@@ -302,5 +305,10 @@ impl Parameter {
 
     pub fn is_read_only(self) -> bool {
         self.row().effect == Effect::ReadOnly
+    }
+
+    /// Whether it counts what is on board: no file sets it, and the plans keep it.
+    pub fn is_counted(self) -> bool {
+        matches!(self.row().effect, Effect::ReadOnly | Effect::Points)
     }
 }

@@ -46,7 +46,11 @@ impl Services {
     ) {
         let sender = Target { system_id: incoming.header.system_id, component_id: incoming.header.component_id };
         match &incoming.request {
-            Request::Parameter(request) => self.parameters.serve(component, link, sender, request),
+            Request::Parameter(request) => {
+                self.parameters.serve(component, link, sender, request);
+                self.missions.note_totals(component);
+            }
+            Request::Point(request) => self.missions.serve_point(component, link, sender, request),
             Request::Plan { mission_type, message } => {
                 if let Some(kind) = message.item_kind() {
                     component.links().note_old_items(link, kind == ItemKind::Float);

@@ -9,8 +9,8 @@ use mavlink_bridge::dialect::MavCmd;
 /// Most items of a fence: a polygon of as many corners as one can have. ArduPilot's larger boards keep 84.
 pub(crate) const ITEMS_MAX: u16 = 255;
 
-const RETURN_POINT: u16 = MavCmd::MAV_CMD_NAV_FENCE_RETURN_POINT as u32 as u16;
-const POLYGON_INCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION as u32 as u16;
+pub(super) const RETURN_POINT: u16 = MavCmd::MAV_CMD_NAV_FENCE_RETURN_POINT as u32 as u16;
+pub(super) const POLYGON_INCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION as u32 as u16;
 const POLYGON_EXCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION as u32 as u16;
 const CIRCLE_INCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION as u32 as u16;
 const CIRCLE_EXCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION as u32 as u16;
@@ -90,10 +90,10 @@ pub(crate) fn check_whole(items: &[PlanItem]) -> Result<(), PlanError> {
 
 /// FENCE_TOTAL: from the time of fences of one polygon, closed, and a return point. So it is two more than there are
 /// corners and circles, and 0 where they are fewer than three.
-pub(crate) fn total(items: &[PlanItem]) -> usize {
+pub(super) fn total(items: &[PlanItem]) -> u8 {
     match items.iter().filter(|item| item.command != RETURN_POINT).count() {
         0..3 => 0,
-        count => count + 2,
+        count => u8::try_from(count + 2).unwrap_or(u8::MAX),
     }
 }
 

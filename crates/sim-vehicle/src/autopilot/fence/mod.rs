@@ -6,6 +6,7 @@ pub(crate) mod items;
 pub(crate) mod kinds;
 pub(crate) mod monitor;
 mod parts;
+mod points;
 
 use crate::error::PlanError;
 use crate::parameters::Parameters;
@@ -19,6 +20,8 @@ use mavlink_bridge::PlanItem;
 pub(crate) struct Fence {
     items: Vec<PlanItem>,
     area: Area,
+    /// FENCE_TOTAL.
+    total: u8,
 }
 
 impl Fence {
@@ -26,15 +29,15 @@ impl Fence {
         &self.items
     }
 
-    /// FENCE_TOTAL.
-    pub fn total(&self) -> usize {
-        items::total(&self.items)
+    /// FENCE_TOTAL: that of the last upload, or what a client has set it to.
+    pub fn total(&self) -> u8 {
+        self.total
     }
 
     /// Another fence, or why it makes no sense: then the old one stays.
     pub fn replace(&mut self, items: &[PlanItem], frame: &LocalFrame) -> Result<(), PlanError> {
         self.area = items::area(items, frame)?;
-        self.items = items.iter().map(items::as_kept).collect();
+        self.keep(items);
         Ok(())
     }
 
@@ -49,8 +52,13 @@ impl Fence {
     ) -> Vec<&'static str> {
         let (area, said) = parts::area(items, frame, home, flying);
         self.area = area;
-        self.items = items.iter().map(items::as_kept).collect();
+        self.keep(items);
         said
+    }
+
+    fn keep(&mut self, items: &[PlanItem]) {
+        self.items = items.iter().map(items::as_kept).collect();
+        self.total = items::total(items);
     }
 
     /// Where a vehicle that has left it is sent, (north, east) in m.

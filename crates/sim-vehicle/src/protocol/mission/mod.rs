@@ -6,11 +6,13 @@
 
 mod check;
 pub(crate) mod file;
+mod points;
 mod px4;
 mod upload;
 
 use crate::autopilot::mission::items::{self, WAYPOINT};
 use crate::autopilot::plan::{PlanKind, Plans};
+use crate::autopilot::rally;
 use crate::error::{PlanError, Severity};
 use crate::mode::Mode;
 use crate::protocol::parameter;
@@ -206,7 +208,9 @@ impl MissionService {
         } else {
             component.autopilot.plan(kind).get(usize::from(seq)).copied()
         };
-        let Some(item) = item else {
+        // A rally point that nobody has written is none.
+        let is_there = |item: &PlanItem| kind != PlanKind::Rally || rally::is_there(item);
+        let Some(item) = item.filter(is_there) else {
             // ArduPilot tells how many there are.
             if item_kind == ItemKind::Int {
                 self.send_count(component, link, to, kind);

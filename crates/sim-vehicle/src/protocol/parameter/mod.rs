@@ -169,7 +169,7 @@ impl ParameterService {
             Effect::RadioLoss => component.links().set_loss(f64::from(value) / 100.0),
             Effect::Speedup => self.speedup_wanted = Some(f64::from(value)),
             Effect::LookedUp | Effect::ReadOnly => {}
-            Effect::Tuning | Effect::Battery | Effect::Fence | Effect::SetpointTimeout => {}
+            Effect::Tuning | Effect::Battery | Effect::Fence | Effect::Points | Effect::SetpointTimeout => {}
         }
         Ok(())
     }

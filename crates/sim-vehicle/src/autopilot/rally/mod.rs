@@ -1,5 +1,7 @@
 //! Rally points: places to return to that are nearer than home.
 
+pub(crate) mod points;
+
 use crate::autopilot::flight::Flight;
 use crate::autopilot::flight::guidance::RallyPlace;
 use crate::autopilot::home::Reference;
@@ -8,6 +10,7 @@ use crate::parameters::Parameters;
 use crate::parameters::table::Parameter;
 use mavlink_bridge::dialect::MavCmd;
 use mavlink_bridge::{AltitudeDatum, PlanItem};
+use points::Approach;
 
 /// Most rally points, as on ArduPilot's larger boards.
 pub(crate) const POINTS_MAX: u16 = 50;
@@ -17,7 +20,12 @@ const RALLY_POINT: u16 = MavCmd::MAV_CMD_NAV_RALLY_POINT as u32 as u16;
 /// The rally points on board.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rally {
-    items: Vec<PlanItem>,
+    /// What was written, those beyond the total included.
+    stored: Vec<PlanItem>,
+    /// Of each of them.
+    approaches: Vec<Approach>,
+    /// RALLY_TOTAL: how many of them count.
+    total: usize,
 }
 
 /// Whether an item can be a rally point; the result code that says why not, in ArduPilot's order. It keeps altitudes in
@@ -50,13 +58,22 @@ pub(crate) fn as_kept(item: &PlanItem) -> PlanItem {
     PlanItem { command, frame, latitude_e7, longitude_e7, z_m: item.z_m.trunc(), ..PlanItem::default() }
 }
 
+/// A point of RALLY_TOTAL that nobody has written has a place of zeros.
+pub(crate) fn is_there(item: &PlanItem) -> bool {
+    !item.position().is_zero()
+}
+
 impl Rally {
     pub fn items(&self) -> &[PlanItem] {
-        &self.items
+        self.stored.get(..self.total).unwrap_or_default()
     }
 
     pub fn replace(&mut self, items: &[PlanItem]) {
-        self.items = items.iter().map(as_kept).collect();
+        self.set_total(u16::try_from(items.len()).unwrap_or(POINTS_MAX));
+        let slots = self.stored.iter_mut().zip(&mut self.approaches);
+        for ((stored, approach), item) in slots.zip(items) {
+            (*stored, *approach) = (as_kept(item), Approach::of(item));
+        }
     }
 
     /// The rally point to return to from here: the nearest, if it is within RALLY_LIMIT_KM and, where home counts too
@@ -64,7 +81,7 @@ impl Rally {
     pub fn best(&self, flight: &Flight, reference: &Reference<'_>, parameters: &Parameters) -> Option<RallyPlace> {
         let limit_m = 1000.0 * f64::from(parameters.get(Parameter::RallyLimit));
         let home_counts = parameters.get(Parameter::RallyIncludesHome) != 0.0;
-        let points = self.items.iter().map(|item| {
+        let points = self.items().iter().filter(|item| is_there(item)).map(|item| {
             let at = reference.place_of(item, flight.here());
             (flight.distance_m(at), RallyPlace { at, altitude_m: reference.altitude_of(item) })
         });
