@@ -1,8 +1,8 @@
 """ArduPilot's own plane tests against `columba vehicles`: their bodies as they are, from a checkout of ArduPilot.
 
-Only the start of the simulator is another: `columba vehicles` in the place of its process, and what the tests send to
-its receiver (UDP 5501) is handed on as RC_CHANNELS_OVERRIDE. The tests read and set parameters of a real ArduPlane:
-they come from a file that a ground station has saved of one. docs/compatibility.md says how to run this.
+Only the start of the simulator is another: `columba vehicles` in the place of its process. The tests read and set
+parameters of a real ArduPlane: they come from a file that a ground station has saved of one. docs/compatibility.md says
+how to run this.
 """
 
 import argparse
@@ -10,21 +10,13 @@ import json
 import os
 import shutil
 import signal
-import socket
-import struct
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import traceback
 
 os.environ["MAVLINK20"] = "1"  # pymavlink reads it when it is imported
-
-CHANNELS = 16
-# ArduPilot's stations are 250 and 255; overrides count from MAV_GCS_SYSID.
-GROUND_STATION = 255
-
 
 class TooLong(BaseException):
     """A test has not ended in time."""
@@ -82,37 +74,6 @@ class Vehicles:
         child.expect("127.0.0.1")
         return child
 
-    def receive(self):
-        """Hands on what comes for the simulator's receiver."""
-        from pymavlink import mavutil
-
-        receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        receiver.bind(("127.0.0.1", 5501 + 10 * self.settings.instance))
-        station = mavutil.mavlink.MAVLink(None, srcSystem=GROUND_STATION, srcComponent=190)
-        link, last_s = None, 0.0
-        while True:
-            datagram, _ = receiver.recvfrom(200)
-            if len(datagram) != 2 * CHANNELS or time.monotonic() - last_s < 0.01:
-                continue
-            last_s = time.monotonic()
-            try:
-                if link is None:
-                    link = socket.create_connection(("127.0.0.1", 5763 + 10 * self.settings.instance), timeout=1)
-                    link.setblocking(False)
-                drain(link)
-                channels = struct.unpack(f"<{CHANNELS}H", datagram)
-                link.sendall(mavutil.mavlink.MAVLink_rc_channels_override_message(1, 1, *channels).pack(station))
-            except OSError:
-                link = None
-
-
-def drain(link):
-    try:
-        while link.recv(1 << 16):
-            pass
-    except BlockingIOError:
-        pass
-
 
 def run(settings, name):
     """One test; what became of it."""
@@ -127,7 +88,6 @@ def run(settings, name):
 
     vehicles = Vehicles(settings, folder, pexpect.spawn, util.reltopdir)
     util.start_SITL = vehicles.start
-    threading.Thread(target=vehicles.receive, daemon=True).start()
     instance = settings.instance
 
     class Suite(arduplane.AutoTestPlane):

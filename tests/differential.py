@@ -218,6 +218,22 @@ class Conversation:
             body = "home"
         self.answers.append(f"{PLANS[item.mission_type]} {item.seq}: {body}")
 
+    def on_fence_point(self, point):
+        self.answers.append(f"fence point {point.idx} of {point.count}: {self.near(point.lat, point.lng)}")
+
+    def on_rally_point(self, point):
+        where = self.near(point.lat / 1e7, point.lng / 1e7)
+        rest = f"{point.alt} {point.break_alt} {point.land_dir} {point.flags}"
+        self.answers.append(f"rally point {point.idx} of {point.count}: {where}, {rest}")
+
+    def near(self, lat, lon):
+        """How far from home, in tens of metres: single precision tells places apart by a few."""
+        if not lat and not lon:
+            return "nowhere"
+        north_m = (lat - self.home[0]) * METRES_PER_DEGREE
+        east_m = (lon - self.home[1]) * METRES_PER_DEGREE * math.cos(math.radians(self.home[0]))
+        return f"{round(north_m / 10)} {round(east_m / 10)}"
+
     def on_mission_current(self, current):
         if current.seq != self.last_current:
             self.progress.append(f"current {current.seq}")

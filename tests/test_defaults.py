@@ -68,6 +68,25 @@ def test_what_the_vehicles_do_not_use_is_named_in_one_line(program, parameter_fi
     assert errors == f"columba: kept for clients and not used by the vehicles: {names} and 4 more\n"
 
 
+def test_older_names_are_taken_over_as_arduplane_does_and_named(program, start_vehicles, scenario, parameter_file):
+    older = parameter_file("TRIM_ARSPD_CM 1250\nALT_HOLD_RTL 8000\nRST_SWITCH_CH 7\nSYSID_MYGCS 254\nSR0_EXTRA1 4\n", "older.parm")
+    craft = start_vehicles(scenario(), "--defaults", older).connect()[0]
+    expected = {"AIRSPEED_CRUISE": 12.5, "RTL_ALTITUDE": 80, "RC7_OPTION": 96, "MAV_GCS_SYSID": 254}
+    assert {name: read(craft, name).param_value for name in expected} == expected
+    craft.link.mav.param_request_read_send(craft.system, 1, b"TRIM_ARSPD_CM", -1)
+    assert craft.text().text == "No parameter TRIM_ARSPD_CM: it is AIRSPEED_CRUISE now"
+    options = ["--airframe", "plane", "--defaults", str(older), "--vehicle-port", "0", "--ground-port", "0", "--json"]
+    with subprocess.Popen([program, "vehicles", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        running.stdout.readline()
+        running.terminate()
+        errors = running.stderr.read()
+    assert errors == (
+        "columba: older names, taken over: TRIM_ARSPD_CM (AIRSPEED_CRUISE), ALT_HOLD_RTL (RTL_ALTITUDE), "
+        "RST_SWITCH_CH (RC7_OPTION), SYSID_MYGCS (MAV_GCS_SYSID)\n"
+        "columba: older names, not taken over: SR0_EXTRA1 (MAV1_EXTRA1)\n"
+    )
+
+
 def test_several_vehicles_keep_their_own_system_ids(start_vehicles, scenario, parameter_file):
     vehicles = start_vehicles(scenario(2), "--defaults", parameter_file(PLANE))
     assert [row["system_id"] for row in vehicles.rows] == [1, 2]

@@ -79,7 +79,7 @@ def test_a_bad_value_is_refused_in_words_and_answered_with_the_old_one(craft, na
 def test_a_name_that_it_does_not_have_is_refused(craft):
     ask(craft, "SYSID_THISMAV")
     assert craft.wait(["PARAM_ERROR"]).error == mavlink.MAV_PARAM_ERROR_DOES_NOT_EXIST
-    assert craft.text().text == "No parameter SYSID_THISMAV"
+    assert craft.text().text == "No parameter SYSID_THISMAV: it is MAV_SYSID now"
 
 
 def test_what_is_set_survives_a_restart_when_asked_for(start_vehicles, scenario, tmp_path):

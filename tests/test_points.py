@@ -55,7 +55,7 @@ def test_refusals_of_fence_points_are_in_arduplanes_words(craft):
         craft.link.mav.fence_point_send(craft.system, 1, index, count, lat, 0)
         assert craft.text().text == words
     craft.link.mav.fence_fetch_point_send(craft.system, 1, 5)
-    assert craft.text().text == "Invalid fence point, index past total (5 >= 5)"
+    assert craft.text().text == "Invalid fence point, index past total(5 >= 5)"
     circle = item(mavlink.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, p1=400)
     assert Uploader(craft.link, craft.system, FENCE).upload([circle]) == mavlink.MAV_MISSION_ACCEPTED
     craft.link.mav.fence_fetch_point_send(craft.system, 1, 0)

@@ -107,6 +107,8 @@ pub(crate) enum PlanError {
 pub(crate) enum ParameterError {
     #[error("No parameter {0}")]
     Unknown(String),
+    #[error("No parameter {old}: it is {new} now")]
+    Renamed { old: String, new: String },
     #[error("Param write denied ({0})")]
     ReadOnly(Cow<'static, str>),
     #[error("{0} is of another type")]

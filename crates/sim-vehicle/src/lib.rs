@@ -35,6 +35,7 @@ pub use links::{PeerId, Transmit};
 pub use mode::{Mode, NoSuchMode};
 pub use parameters::check::{ParameterFault, check_parameters};
 pub use parameters::file::{ParameterFile, ParameterFileError, Place};
+pub use parameters::renamed::OldName;
 pub use protocol::mission::file::PlanFileError;
 pub use settings::{LockstepSettings, SettingsError, VehicleSettings};
 pub use telemetry::rates::{LinkUse, TelemetryRates};

@@ -164,6 +164,16 @@ impl Vehicle {
         }
     }
 
+    /// Takes what a pilot's transmitter sends, as ArduPilot's simulator does: 8 or 16 channels, microseconds, 16 bits
+    /// each, the lower byte first; 0 leaves a channel. Other lengths have no effect.
+    pub fn receive(&mut self, datagram: &[u8]) {
+        if matches!(datagram.len(), 16 | 32) {
+            let pulses_us: Vec<u16> =
+                datagram.chunks_exact(2).map(|two| u16::from_le_bytes([two[0], two[1]])).collect();
+            self.component.autopilot.receive_channels(&pulses_us);
+        }
+    }
+
     /// A peer has connected at host time `now`, over a line that tells when it is gone: it gets telemetry from now on,
     /// until [`disconnect`](Self::disconnect).
     pub fn connect(&mut self, now: Duration, peer: PeerId) {

@@ -113,7 +113,7 @@ fn one_is_read_by_index_and_by_name() {
         assert_eq!(by_name, [PARAM_VALUE_DATA { param_index: u16::MAX, ..expected.clone() }]);
     }
     for (request, words) in [
-        (read("SYSID_THISMAV", -1), "No parameter SYSID_THISMAV"),
+        (read("SYSID_THISMAV", -1), "No parameter SYSID_THISMAV: it is MAV_SYSID now"),
         (read("", 1000), "No parameter of index 1000"),
         (read("", -2), "No parameter of index -2"),
         (set("NOSUCH", 1.0), "No parameter NOSUCH"),

@@ -8,7 +8,7 @@ use crate::flying;
 use crate::view;
 use anyhow::{Context, anyhow};
 use mavlink_bridge::LinkSettings;
-use sim_vehicle::{Host, HostError, HostReport, HostSettings, Observer, PortLayout, Vehicle};
+use sim_vehicle::{Host, HostError, HostReport, HostSettings, Observer, OldName, PortLayout, Vehicle};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
             other => other.into(),
         })?;
         if !cli.quiet {
-            tell_inert(&host);
+            tell_parameters(&scenario, &host);
         }
         if args.json || !cli.quiet {
             let table = Table::of(&host, speed);
@@ -86,8 +86,11 @@ fn with_planes(flags: &[Layer]) -> Vec<Layer> {
     let mut layers = Vec::new();
     let mut lay = |key: &str, toml: &str| layers.extend(Layer::of_flag("--airframe", key, toml).ok());
     if !is_paper {
-        // Scripts lean on how these have always flown: by Eq. 1, to the last bit.
-        lay("airframe", &format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\" }}"));
+        // Scripts lean on how these have always flown: by Eq. 1 as it is printed, to the last bit.
+        const AS_ALWAYS: &str = "speed_gain = 1.0, course_time_constant_s = 3.2, speed_dead_time_s = 0.0, \
+                                 course_dead_time_s = 0.0, altitude_dead_time_s = 0.0, \
+                                 course_reference_speed_mps = 0.0, acceleration_max_mps2 = 0.0";
+        lay("airframe", &format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\", {AS_ALWAYS} }}"));
         if !has_number {
             lay("vehicles.count", "vehicles.count = 5");
         }
@@ -133,19 +136,31 @@ fn check_apart(scenario: &Scenario, base_port: u16) -> anyhow::Result<()> {
     }
 }
 
-/// Names the parameters of files that the vehicles only keep, in one line: all vehicles have the same.
-fn tell_inert(host: &Host) {
+/// Names the parameters of files that the vehicles only keep, in one line: all vehicles have the same. Older names are
+/// told with those that they have now, the ones that are taken over and the others.
+fn tell_parameters(scenario: &Scenario, host: &Host) {
+    let (_, old) = scenario.parameter_files.renamed_for(scenario.autopilot.personality);
+    let renamed = |is_taken: bool| {
+        let names = old.iter().filter(move |name| name.is_taken == is_taken);
+        names.map(|OldName { old, new, .. }| format!("{old} ({new})")).collect()
+    };
+    tell_names("older names, taken over", renamed(true));
+    tell_names("older names, not taken over", renamed(false));
+    let inert = host.vehicles().next().into_iter().flat_map(Vehicle::inert_parameters);
+    tell_names("kept for clients and not used by the vehicles", inert.map(str::to_owned).collect());
+}
+
+fn tell_names(what: &str, names: Vec<String>) {
     const NAMED_MAX: usize = 8;
-    let names: Vec<&str> = host.vehicles().next().into_iter().flat_map(Vehicle::inert_parameters).collect();
     if names.is_empty() {
         return;
     }
-    let named = names.iter().take(NAMED_MAX).copied().collect::<Vec<_>>().join(", ");
+    let named = names.iter().take(NAMED_MAX).cloned().collect::<Vec<_>>().join(", ");
     let more = match names.len().saturating_sub(NAMED_MAX) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    eprintln!("columba: kept for clients and not used by the vehicles: {named}{more}");
+    eprintln!("columba: {what}: {named}{more}");
 }
 
 /// Says so if the vehicles fell behind the clock: by less than a hundredth, nobody can tell.

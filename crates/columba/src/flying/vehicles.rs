@@ -44,7 +44,7 @@ pub fn sockets(scenario: &Scenario) -> usize {
     let multicast = if scenario.link.multicast.is_some() { 2 } else { 0 };
     match scenario.link.layout {
         PortLayout::Columba => ports(scenario) * (1 + multicast),
-        PortLayout::ArduPilot { .. } => scenario.starts.len() * (4 + multicast),
+        PortLayout::ArduPilot { .. } => scenario.starts.len() * (5 + multicast),
         PortLayout::Px4 { .. } => scenario.starts.len() * (2 + multicast),
     }
 }
@@ -54,8 +54,8 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
     let autopilot = &scenario.autopilot;
     let parameters: Vec<(String, f32)> =
         scenario.parameters.iter().map(|(name, value)| (name.clone(), *value)).collect();
-    let files = &scenario.parameter_files;
-    let parameter_files = if scenario.starts.len() > 1 { files.without_system_id() } else { files.clone() };
+    let (files, _) = scenario.parameter_files.renamed_for(autopilot.personality);
+    let parameter_files = if scenario.starts.len() > 1 { files.without_system_id() } else { files };
     let vehicle = |(index, start): (usize, &flight_model::State)| VehicleSettings {
         seed: scenario.seed,
         number: index as u64,

@@ -26,6 +26,9 @@ const LANE_M: f64 = 8.0;
 const LANE_RAD: f64 = 0.2;
 /// Seconds of flight along the lanes: to settle on them, and to change height.
 const SETTLE_S: f64 = 12.0;
+/// Seconds of flight to its start that the first vehicle, and the last one, may have left when the flock is gathered.
+const AT_START_S: f64 = 1.5;
+const NEAR_START_S: f64 = 2.5;
 /// Share of the speed by which being early or late is made up for.
 const SPEED_SHARE: f64 = 0.15;
 /// Vehicles further apart than this need not be apart in height before they turn to their lanes, m.
@@ -171,10 +174,9 @@ impl Gather {
         states.iter().enumerate().map(|(index, state)| state.map(|state| self.setpoint(index, &state, now_s))).collect()
     }
 
-    /// Whether all are on their lanes, at the flock's height, at speed, and the first of them is at its start.
+    /// Whether all are on their lanes, at the flock's height, the first of them is at its start, and the last one near.
     pub fn is_complete(&self, states: &[Option<State>]) -> bool {
-        let along = |index: usize, state: &State| self.lane(index, state).0;
-        let mut farthest_m = f64::NEG_INFINITY;
+        let (mut first_m, mut last_m) = (f64::NEG_INFINITY, f64::INFINITY);
         for (index, state) in states.iter().enumerate() {
             if self.parts.get(index).is_none_or(|part| part.gone) {
                 continue;
@@ -186,9 +188,10 @@ impl Gather {
             if !ready {
                 return false;
             }
-            farthest_m = farthest_m.max(along(index, state));
+            let (along_m, _) = self.lane(index, state);
+            (first_m, last_m) = (first_m.max(along_m), last_m.min(along_m));
         }
-        farthest_m > -1.5 * self.speed_mps
+        first_m > -AT_START_S * self.speed_mps && last_m > -NEAR_START_S * self.speed_mps
     }
 
     /// Whether it has missed its starts: on the lanes, and past them.
@@ -477,36 +480,52 @@ mod tests {
             (x, y) in (-600.0..600.0f64, -600.0..600.0f64),
             turn in -3.0..3.0f64,
         ) {
-            let starts = starts(count);
-            let (sin, cos) = libm::sincos(turn);
-            // Homes 60 m apart in a row, airborne at 45 m.
-            let states: Vec<State> = (0..count)
-                .map(|k| 60.0 * k as f64)
-                .map(|along_m| State {
-                    x_m: x + along_m * cos,
-                    y_m: y + along_m * sin,
-                    altitude_m: 45.0,
-                    speed_mps: 20.0,
-                    course_rad: heading,
-                    climb_mps: 0.0,
-                })
-                .collect();
-            let (time_s, least_m, _, states) = gathered(&starts, states, &[]).expect("gathered");
-            prop_assert!(time_s < 300.0, "{time_s}");
-            prop_assert!(least_m > 7.0, "{least_m}");
-            for (state, start) in states.iter().zip(&starts) {
-                prop_assert!((state.altitude_m - 50.0).abs() < 3.0);
-                let off_m = distance_m(state, start);
-                prop_assert!(off_m < 60.0, "{off_m}");
-                prop_assert!(wrap_pi(state.course_rad - EXPECTED.course_rad).abs() < 0.25);
-            }
-            for (index, a) in states.iter().enumerate() {
-                for b in &states[..index] {
-                    let apart_m = distance_m(a, b);
-                    prop_assert!(apart_m > 25.0, "{apart_m}");
-                }
+            check_from_anywhere(count, heading, (x, y), turn)?;
+        }
+    }
+
+    /// Its last vehicle was 68 m from its start when the first one was there.
+    #[test]
+    fn the_last_one_is_waited_for() {
+        check_from_anywhere(3, 1.932, (-576.45, -66.37), 2.887).expect("gathered");
+    }
+
+    /// Homes 60 m apart in a row, airborne at 45 m.
+    fn check_from_anywhere(
+        count: usize,
+        heading_rad: f64,
+        (x_m, y_m): (f64, f64),
+        row_rad: f64,
+    ) -> Result<(), TestCaseError> {
+        let starts = starts(count);
+        let (sin, cos) = libm::sincos(row_rad);
+        let states: Vec<State> = (0..count)
+            .map(|k| 60.0 * k as f64)
+            .map(|along_m| State {
+                x_m: x_m + along_m * cos,
+                y_m: y_m + along_m * sin,
+                altitude_m: 45.0,
+                speed_mps: 20.0,
+                course_rad: heading_rad,
+                climb_mps: 0.0,
+            })
+            .collect();
+        let (time_s, least_m, _, states) = gathered(&starts, states, &[]).expect("gathered");
+        prop_assert!(time_s < 300.0, "{time_s}");
+        prop_assert!(least_m > 7.0, "{least_m}");
+        for (state, start) in states.iter().zip(&starts) {
+            prop_assert!((state.altitude_m - 50.0).abs() < 3.0);
+            let off_m = distance_m(state, start);
+            prop_assert!(off_m < 60.0, "{off_m}");
+            prop_assert!(wrap_pi(state.course_rad - EXPECTED.course_rad).abs() < 0.25);
+        }
+        for (index, a) in states.iter().enumerate() {
+            for b in &states[..index] {
+                let apart_m = distance_m(a, b);
+                prop_assert!(apart_m > 25.0, "{apart_m}");
             }
         }
+        Ok(())
     }
 
     #[test]

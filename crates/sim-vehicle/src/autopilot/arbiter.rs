@@ -12,7 +12,7 @@ impl Autopilot {
     /// before has left: so the last one has the last word, as in ArduPlane.
     pub(super) fn act(&mut self, proposal: Proposal) {
         let Proposal { cause, action, text } = proposal;
-        if cause != Cause::FenceOff {
+        if !matches!(cause, Cause::FenceOff | Cause::ReceiverBack) {
             self.counters.failsafes += 1;
         }
         let before = self.mode();
@@ -37,7 +37,11 @@ impl Autopilot {
                 self.session.failsafes.streams.set_lost(Some(cause));
             }
             Cause::Fence => self.come_back(before),
-            Cause::GroundStation | Cause::Battery | Cause::Gps | Cause::Engine | Cause::FenceOff => {}
+            Cause::ReceiverShort if self.mode() != before => self.session.failsafes.receiver.switched_from(before),
+            // Whoever may be stuck at the sticks gives them back.
+            Cause::GroundStation | Cause::ReceiverLong => self.session.channels.give_back_all(),
+            Cause::Battery | Cause::Gps | Cause::Engine | Cause::FenceOff => {}
+            Cause::ReceiverShort | Cause::ReceiverBack => {}
         }
         if let Some((severity, text)) = text {
             self.say(severity, &text);

@@ -20,6 +20,7 @@ const FORCE_ARMING: f32 = 2989.0;
 /// Bits of ARMING_CHECK (`AP_Arming.h`).
 const CHECK_ALL: u32 = 1;
 const CHECK_GPS: u32 = 1 << 3;
+const CHECK_RECEIVER: u32 = 1 << 6;
 const CHECK_BATTERY: u32 = 1 << 8;
 const CHECK_MISSION: u32 = 1 << 14;
 
@@ -42,14 +43,11 @@ impl Autopilot {
                 return Ok(());
             }
             let is_forced = p2 == FORCE || p2 == FORCE_ARMING;
-            if let Some(reason) = self.against_arming().filter(|_| !is_forced) {
+            if let Some(reason) = self.against_arming_now(false).filter(|_| !is_forced) {
                 let severity = Severity::Critical;
                 return Err(CommandError { severity, ..CommandError::failed(format!("Arm: {reason}")) });
             }
-            if self.parameters.get(Parameter::ArmingCheck) == 0.0 {
-                self.say(Severity::Warning, "Warning: Arming Checks Disabled");
-            }
-            self.arm(Cause::Command);
+            self.arm_after_checks();
         } else if p1 == 0.0 {
             if is_armed && self.flight.is_flying() && p2 != FORCE {
                 return Err(CommandError::failed("Disarm: it is flying"));
@@ -63,6 +61,32 @@ impl Autopilot {
         Ok(())
     }
 
+    /// The pilot asks for it by the rudder stick.
+    pub(super) fn arm_by_rudder(&mut self) {
+        match self.against_arming_now(true) {
+            Some(reason) => self.say(Severity::Critical, &format!("Arm: {reason}")),
+            None => self.arm_after_checks(),
+        }
+    }
+
+    fn arm_after_checks(&mut self) {
+        if self.parameters.get(Parameter::ArmingCheck) == 0.0 {
+            self.say(Severity::Warning, "Warning: Arming Checks Disabled");
+        }
+        self.arm(Cause::Command);
+    }
+
+    /// Why it does not arm at this moment: what stands against it anyway, or where the sticks are.
+    fn against_arming_now(&self, by_rudder: bool) -> Option<String> {
+        let sticks = || self.is_checked(CHECK_RECEIVER).then(|| self.against_sticks(by_rudder)).flatten();
+        self.against_arming().or_else(sticks)
+    }
+
+    /// ARMING_CHECK says which of the checks are made that may be left out.
+    fn is_checked(&self, check: u32) -> bool {
+        self.parameters.get(Parameter::ArmingCheck) as u32 & (CHECK_ALL | check) != 0
+    }
+
     /// RUN_PREARM_CHECKS: accepted, and what stands against arming comes in words.
     pub(crate) fn run_prearm_checks(&mut self) -> Result<(), CommandError> {
         if self.flight.is_armed() {
@@ -74,10 +98,9 @@ impl Autopilot {
         Ok(())
     }
 
-    /// Why the vehicle would not arm now, if so. ARMING_CHECK says which of the checks are made that may be left out.
+    /// Why the vehicle would not arm now, if so.
     pub(crate) fn against_arming(&self) -> Option<String> {
-        let checks = self.parameters.get(Parameter::ArmingCheck) as u32;
-        let is_checked = |check: u32| checks & (CHECK_ALL | check) != 0;
+        let is_checked = |check: u32| self.is_checked(check);
         let lands_by_rtl = self.parameters.get(Parameter::RtlAutoland) != 0.0;
         let is_amiss = |command: u16| {
             is_checked(CHECK_MISSION)
@@ -96,6 +119,8 @@ impl Autopilot {
             Some("DO_RETURN_PATH_START set and RTL_AUTOLAND disabled".into())
         } else if is_checked(CHECK_GPS) && !GpsSettings::of(&self.parameters).has_fix() {
             Some("GPS 1: Bad fix".into())
+        } else if is_checked(CHECK_RECEIVER) && self.has_failed_receiver() {
+            Some("Radio failsafe on".into())
         } else {
             let battery = if is_checked(CHECK_BATTERY) { battery::forbids_arming(&self.situation()) } else { None };
             battery.or_else(|| self.session.fence.forbids_arming(&self.situation()))

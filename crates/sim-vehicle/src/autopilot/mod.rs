@@ -27,6 +27,7 @@ pub(crate) mod situation;
 mod step;
 pub(crate) mod switches;
 pub(crate) mod timer;
+mod transmitter;
 
 use crate::counters::VehicleCounters;
 use crate::error::{CommandError, ParameterError, PlanError, SetpointError, Severity};

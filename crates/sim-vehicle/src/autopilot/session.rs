@@ -8,6 +8,7 @@ use super::manual_control::Channels;
 use super::mission::progress::Progress;
 use super::switches::Switches;
 use super::timer::Timers;
+use super::transmitter::RudderStick;
 
 /// What has happened since the vehicle was switched on.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +19,7 @@ pub(crate) struct Session {
     pub progress: Progress,
     pub channels: Channels,
     pub switches: Switches,
+    pub rudder: RudderStick,
     pub habits: Habits,
     /// What is being calibrated.
     pub calibration: Option<Calibration>,

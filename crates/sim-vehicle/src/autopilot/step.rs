@@ -13,6 +13,7 @@ impl Autopilot {
         self.step_flight();
         self.time = time;
         track.push(*self.flight.state());
+        self.watch_receiver();
         self.check_failsafes();
         self.check_fence();
         self.follow_mission();
@@ -28,7 +29,7 @@ impl Autopilot {
         let (state, in_air) = (*self.flight.state(), self.flight.in_air());
         let (wind, known) = self.world.blow(&self.parameters, self.time, self.step, &state, &in_air);
         self.flight.feel(wind, known);
-        let power = if self.flight.is_engine_running() { self.flight.power_share() } else { 0.0 };
+        let power = if self.flight.is_idle() { 0.0 } else { self.flight.power_share() };
         let engine_works = self.world.drain(&self.parameters, self.step, power, self.flight.power_needed());
         self.flight.set_engine(engine_works);
     }

@@ -94,7 +94,8 @@ impl Switch {
 impl Autopilot {
     /// Does what switches say that have moved.
     pub(super) fn follow_switches(&mut self) {
-        if !self.rules.has_switches {
+        // Those of a receiver that has failed do not count.
+        if !self.rules.has_switches || !self.hears_transmitter() {
             return;
         }
         if let Some(position) = self.mode_switch_position() {

@@ -3,6 +3,7 @@
 
 use crate::firmware::words::Words;
 use crate::mode::Mode;
+use crate::parameters::renamed::Renamed;
 use crate::parameters::table::Parameter;
 use crate::telemetry::rates::{LinkUse, TelemetryRates};
 use crate::telemetry::streams::Stream;
@@ -88,7 +89,8 @@ pub(crate) struct Rules {
     pub fence_action: fn(u8) -> Option<Mode>,
     /// Whether it says unasked what stands against arming.
     pub tells_arming_reason: bool,
-    /// Whether channels are switches: of the mode (FLTMODE_CH), or with a function (RC1_OPTION and its kin).
+    /// Whether a pilot's channels are switches, of the mode (FLTMODE_CH) or with a function (RC1_OPTION and its kin),
+    /// and a receiver that fails is a failsafe.
     pub has_switches: bool,
     /// Whether any ground station moves the sticks and is listened for; otherwise the one of MAV_GCS_SYSID.
     pub any_ground_station: bool,
@@ -136,6 +138,8 @@ pub(crate) struct Rules {
     pub parameter: fn(Parameter) -> (&'static str, MavParamType),
     /// The type of a parameter that only a file names, if the file does not say.
     pub inert_parameter: fn(&str) -> MavParamType,
+    /// What it called parameters before.
+    pub renamed_parameters: &'static [Renamed],
     /// What is otherwise before anybody sets it.
     pub initial_parameters: &'static [(Parameter, f32)],
     /// Whether whole numbers stand on the wire by their bytes, and a type is looked at.

@@ -124,6 +124,12 @@ impl Endpoint {
     fn take(&mut self, shell: &Shell, arrival: Arrival, datagram: &[u8]) {
         match arrival {
             Arrival::Datagram(from) => self.receive(shell, datagram, from),
+            Arrival::Pulses => {
+                for index in 0..self.vehicles.len() {
+                    self.fly(index, shell);
+                    self.vehicles[index].receive(datagram);
+                }
+            }
             Arrival::Opened(peer) => {
                 for index in 0..self.vehicles.len() {
                     self.fly(index, shell);

@@ -10,8 +10,8 @@ pub enum PortLayout {
     /// UDP, one port after the other, as [`HostSettings`](crate::HostSettings) says.
     #[default]
     Columba,
-    /// ArduPilot's SITL with its `sim_vehicle.py`: instance *i* takes clients at TCP 5760, 5762 and 5763 + 10 *i* and
-    /// sends to UDP 14550 + 10 *i*.
+    /// ArduPilot's SITL with its `sim_vehicle.py`: instance *i* takes clients at TCP 5760, 5762 and 5763 + 10 *i*,
+    /// sends to UDP 14550 + 10 *i* and hears a pilot's transmitter at UDP 5501 + 10 *i*.
     ArduPilot {
         /// The instance of the first vehicle.
         instance: u16,
@@ -29,6 +29,8 @@ pub enum PortLayout {
 pub(crate) struct PortSet {
     pub udp: Vec<UdpPort>,
     pub tcp: Vec<SocketAddr>,
+    /// Where a pilot's transmitter is heard.
+    pub transmitter: Option<SocketAddr>,
 }
 
 /// One UDP port.
@@ -88,12 +90,14 @@ impl PortLayout {
         match self {
             Self::Columba => {
                 let bind = at(port(base_port, 1, 0, group))?;
-                Ok(PortSet { udp: vec![UdpPort { bind, partner: None }], tcp: Vec::new() })
+                Ok(PortSet { udp: vec![UdpPort { bind, partner: None }], tcp: Vec::new(), transmitter: None })
             }
             Self::ArduPilot { instance } => {
                 let serial = |base: u16| at(port(base, 10, instance, group));
                 let udp = vec![UdpPort { bind: SocketAddr::new(host, 0), partner: None }];
-                Ok(PortSet { udp, tcp: vec![serial(5_760)?, serial(5_762)?, serial(5_763)?] })
+                // Nobody would find one that is any free port.
+                let transmitter = if base_port == 0 { None } else { Some(serial(5_501)?) };
+                Ok(PortSet { udp, tcp: vec![serial(5_760)?, serial(5_762)?, serial(5_763)?], transmitter })
             }
             Self::Px4 { instance } => {
                 let grounds = self.grounds(host, group).unwrap_or_default();
@@ -101,7 +105,7 @@ impl PortLayout {
                     Ok(UdpPort { bind: at(port(base, 1, instance, group))?, partner: Some(partner) })
                 };
                 let udp = [14_580, 18_570].into_iter().zip(grounds).map(link).collect::<Result<_, HostError>>()?;
-                Ok(PortSet { udp, tcp: Vec::new() })
+                Ok(PortSet { udp, tcp: Vec::new(), transmitter: None })
             }
         }
     }
@@ -131,6 +135,8 @@ mod tests {
     fn an_ardupilots_ports_are_ten_apart() {
         let layout = PortLayout::ArduPilot { instance: 1 };
         assert_eq!(layout.ports(HOST, 14_600, 1).unwrap().tcp, [at(5_780), at(5_782), at(5_783)]);
+        assert_eq!(layout.ports(HOST, 14_600, 1).unwrap().transmitter, Some(at(5_521)));
+        assert_eq!(layout.ports(HOST, 0, 1).unwrap().transmitter, None);
         assert_eq!(layout.grounds(HOST, 1), Some(vec![at(14_570)]));
         let last = layout.vehicles_max() - 1;
         assert_eq!(layout.grounds(HOST, last), Some(vec![at(65_530)]));

@@ -1,4 +1,4 @@
-//! All ways in and out of the vehicles behind one port: UDP, TCP clients, a multicast group.
+//! All ways in and out of the vehicles behind one port: UDP, TCP clients, a multicast group, a pilot's transmitter.
 
 use crate::host::clock::HostError;
 use crate::host::layout::{PortSet, UdpPort};
@@ -15,7 +15,9 @@ pub(crate) struct Lines {
     second: Option<Udp>,
     tcp: Option<TcpServer>,
     group: Option<MulticastLink>,
+    transmitter: Option<UdpLink>,
     heard: Vec<u8>,
+    pulses: Vec<u8>,
 }
 
 /// What has come in.
@@ -23,6 +25,8 @@ pub(crate) struct Lines {
 pub(crate) enum Arrival {
     /// A datagram, or whole frames of a stream.
     Datagram(PeerId),
+    /// What a pilot's transmitter sends.
+    Pulses,
     /// A TCP client has connected.
     Opened(PeerId),
     /// A TCP client is gone.
@@ -55,7 +59,9 @@ impl Lines {
         let Some(first) = next()? else { return Err(HostError::TooManyPorts { base_port: 0, count: 0 }) };
         let second = next()?;
         let tcp = (!ports.tcp.is_empty()).then(|| TcpServer::bind(&ports.tcp)).transpose()?;
-        Ok(Self { udp: first, second, tcp, group, heard: Vec::new() })
+        let hear = |address: SocketAddr| UdpLink::bind(address, LinkSettings::default());
+        let transmitter = ports.transmitter.map(hear).transpose()?;
+        Ok(Self { udp: first, second, tcp, group, transmitter, heard: Vec::new(), pulses: Vec::new() })
     }
 
     /// The address of the first UDP port.
@@ -93,6 +99,11 @@ impl Lines {
                 Arrival::Datagram(from)
             }
             event = recv_tcp(&mut self.tcp) => take(event, buf),
+            heard = recv_pulses(&mut self.transmitter, &mut self.pulses) => {
+                heard?;
+                std::mem::swap(buf, &mut self.pulses);
+                Arrival::Pulses
+            }
             from = recv_group(&self.group, &mut self.heard) => {
                 std::mem::swap(buf, &mut self.heard);
                 Arrival::Datagram(from?)
@@ -107,6 +118,11 @@ impl Lines {
             if let Some(from) = udp.link.try_recv(buf)? {
                 return Ok(Some(Arrival::Datagram(udp.name(from))));
             }
+        }
+        if let Some(transmitter) = &mut self.transmitter
+            && transmitter.try_recv(buf)?.is_some()
+        {
+            return Ok(Some(Arrival::Pulses));
         }
         if let Some(event) = self.tcp.as_mut().and_then(TcpServer::try_recv) {
             return Ok(Some(take(event, buf)));
@@ -183,6 +199,13 @@ async fn recv_second(second: &mut Option<Udp>) -> Result<PeerId, LinkError> {
 async fn recv_tcp(tcp: &mut Option<TcpServer>) -> Event {
     match tcp {
         Some(tcp) => tcp.recv().await,
+        None => std::future::pending().await,
+    }
+}
+
+async fn recv_pulses(transmitter: &mut Option<UdpLink>, pulses: &mut Vec<u8>) -> Result<(), LinkError> {
+    match transmitter {
+        Some(link) => link.recv(pulses).await.map(drop),
         None => std::future::pending().await,
     }
 }

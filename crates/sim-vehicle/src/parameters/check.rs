@@ -3,6 +3,7 @@
 
 use super::defaults::{in_any_order, shape_limits};
 use super::file::Place;
+use super::renamed::no_parameter;
 use super::{Listed, Parameters};
 use crate::error::ParameterError;
 use crate::settings::VehicleSettings;
@@ -41,7 +42,7 @@ pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
         let taken = match parameters.find(name) {
             Some(Listed::Acting(parameter)) => parameters.set(parameter, *value),
             Some(Listed::Inert(index)) => parameters.set_inert(index, f64::from(*value)),
-            None => Err(ParameterError::Unknown(name.clone())),
+            None => Err(no_parameter(settings.personality.rules(), name)),
         };
         if let Err(reason) = taken {
             faults.push(ParameterFault { name: name.clone(), value: *value, place: None, wanted: wanted(&reason) });
@@ -53,6 +54,7 @@ pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
 /// What would be right instead.
 fn wanted(refused: &ParameterError) -> String {
     match refused {
+        ParameterError::Renamed { new, .. } => format!("{new}, as it is called now"),
         ParameterError::Unknown(_) => "the name of a parameter that the vehicle has".to_owned(),
         ParameterError::ReadOnly(_) => "left out: it is only read".to_owned(),
         ParameterError::Type(_) | ParameterError::NotFinite(_) => "a finite number".to_owned(),
@@ -78,7 +80,7 @@ mod tests {
                 ("WP_RADIUS", "a number from 1 to 32767"),
                 ("AIRSPEED_MAX", "a number from 12 to 15"),
                 ("STAT_RUNTIME", "left out: it is only read"),
-                ("SYSID_THISMAV", "the name of a parameter that the vehicle has"),
+                ("SYSID_THISMAV", "MAV_SYSID, as it is called now"),
                 ("RTL_RADIUS", "a finite number"),
             ]
         );

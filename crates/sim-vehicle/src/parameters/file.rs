@@ -96,9 +96,9 @@ pub(crate) struct ParameterEntry {
     /// `@READONLY`.
     pub is_read_only: bool,
     /// The type that a file of five columns states.
-    kind: Option<MavParamType>,
+    pub kind: Option<MavParamType>,
     /// Whether the value is written as a whole number.
-    is_whole: bool,
+    pub is_whole: bool,
     /// Where it stands, if in a file.
     pub place: Option<Place>,
 }
@@ -148,7 +148,7 @@ impl ParameterFile {
         Ok(Self::of(entries))
     }
 
-    fn of(entries: Vec<ParameterEntry>) -> Self {
+    pub(super) fn of(entries: Vec<ParameterEntry>) -> Self {
         Self(Arc::new(Contents { entries: last_of_each(entries), inert: OnceLock::new() }))
     }
 

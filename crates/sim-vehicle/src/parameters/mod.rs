@@ -7,6 +7,7 @@ pub(crate) mod check;
 pub(crate) mod defaults;
 pub(crate) mod file;
 mod inert;
+pub(crate) mod renamed;
 pub(crate) mod table;
 
 use crate::error::ParameterError;

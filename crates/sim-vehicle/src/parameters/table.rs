@@ -160,6 +160,11 @@ parameters! {
 
     ArmingCheck: "ARMING_CHECK", INT32, |_| 1.0, |_| (0.0, 8_388_607.0), Effect::LookedUp;
 
+    ThrottleFailsafe: "THR_FAILSAFE", INT8, |_| 1.0, |_| (0.0, 2.0), Effect::LookedUp;
+    ThrottleFailsafeValue: "THR_FS_VALUE", INT16, |_| 950.0, |_| (0.0, 2200.0), Effect::LookedUp;
+    OverrideTime: "RC_OVERRIDE_TIME", REAL, |_| 3.0, |_| (-1.0, 120.0), Effect::LookedUp;
+    RudderArming: "ARMING_RUDDER", INT8, |_| 1.0, |_| (0.0, 2.0), Effect::LookedUp;
+
     // The pilot's channels: 1 where more microseconds mean less.
     RollReversed: "RC1_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
     PitchReversed: "RC2_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
@@ -194,6 +199,7 @@ parameters! {
 
     // 2 is as 1: there is no radio that could report its strength. 3 counts in AUTO only.
     GroundFailsafe: "FS_GCS_ENABL", INT8, |_| 0.0, |_| (0.0, 3.0), Effect::LookedUp;
+    ShortFailsafeAction: "FS_SHORT_ACTN", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
     LongFailsafeAction: "FS_LONG_ACTN", INT8, |_| 0.0, |_| (0.0, 5.0), Effect::LookedUp;
     LongFailsafeTimeout: "FS_LONG_TIMEOUT", REAL, |_| 5.0, |_| (1.0, 300.0), Effect::LookedUp;
 
@@ -221,6 +227,7 @@ parameters! {
     GpsLag: "SIM_GPS1_LAG_MS", INT16, |_| 0.0, |_| (0.0, 2000.0), Effect::LookedUp;
     GpsNoise: "SIM_GPS1_NOISE", REAL, |_| 0.0, |_| (0.0, 1000.0), Effect::LookedUp;
     GpsSatellites: "SIM_GPS1_NUMSATS", INT8, |_| 10.0, |_| (0.0, 40.0), Effect::LookedUp;
+    ReceiverFail: "SIM_RC_FAIL", INT8, |_| 0.0, |_| (0.0, 2.0), Effect::LookedUp;
     // Bits of motors; there is one, and any of them means it.
     EngineFail: "SIM_ENGINE_FAIL", INT32, |_| 0.0, |_| (0.0, 16_777_215.0), Effect::LookedUp;
     EngineShare: "SIM_ENGINE_MUL", REAL, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;

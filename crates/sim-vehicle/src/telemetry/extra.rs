@@ -122,7 +122,7 @@ impl Instruments<'_> {
     /// The share of the top speed that is flown, or the throttle that somebody else has set, 0 to 1; VFR_HUD has it in
     /// percent.
     pub(super) fn throttle(&self) -> f64 {
-        if !self.flight.is_engine_running() {
+        if self.flight.is_idle() {
             return 0.0;
         }
         let share = || self.flight.equivalent_airspeed_mps() / self.flight.limits().speed_max_mps;

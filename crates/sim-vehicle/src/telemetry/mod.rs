@@ -330,6 +330,7 @@ impl Instruments<'_> {
         let battery = sensors::Charge::of(self.world.battery(), self.parameters);
         let mut sensors = sensors;
         sensors.set(MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, battery.is_some());
+        sensors.set(MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_RC_RECEIVER, self.rules.has_switches);
         // ArduPilot's fence is healthy while it is not breached, there or not: MAVProxy would tell of a breach.
         let fence = |holds: bool| {
             let bit = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
@@ -340,6 +341,7 @@ impl Instruments<'_> {
         for (sensor, is_well) in [
             (MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK, self.is_armable),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS, self.has_fix()),
+            (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_RC_RECEIVER, self.autopilot.hears_transmitter()),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE, pitot_is_whole),
             (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY, self.battery_level() == BatteryLevel::Ok),
         ] {

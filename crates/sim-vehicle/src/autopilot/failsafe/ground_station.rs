@@ -1,6 +1,7 @@
 //! A ground station that is silent: ArduPlane's failsafe (FS_GCS_ENABL, FS_LONG_ACTN).
 
-use super::proposal::{Action, Cause, Proposal};
+use super::long_action::{long_action, long_text};
+use super::proposal::{Cause, Proposal};
 use crate::autopilot::event::Events;
 use crate::autopilot::situation::Situation;
 use crate::autopilot::timer::{Timer, Timers};
@@ -42,55 +43,7 @@ impl GroundStationWatch {
         self.is_lost = true;
         let value = now.get(Parameter::LongFailsafeAction);
         let action = long_action(value, now.mode());
-        let mode = match action {
-            Action::Mode(mode) => mode,
-            Action::Glide => Mode::Fbwa,
-            Action::Warn | Action::Land => now.mode(),
-        };
-        let text = if value == PARACHUTE && action == Action::Warn {
-            format!("GCS Failsafe On: no parachute, stays in {mode}")
-        } else {
-            format!("GCS Failsafe On: switched to {mode}")
-        };
+        let text = long_text("GCS", value, action, now.mode());
         Some(Proposal::new(Cause::GroundStation, action).saying(Severity::Warning, text))
-    }
-}
-
-/// The value of FS_LONG_ACTN that releases a parachute.
-const PARACHUTE: f32 = 3.0;
-
-/// What FS_LONG_ACTN brings about in a mode (`Plane::failsafe_long_on_event`): GUIDED and AUTO go on by default, and
-/// other modes return. There is no parachute (3), and AUTOLAND (5) is not simulated: RTL, as where it is not possible.
-fn long_action(value: f32, mode: Mode) -> Action {
-    match value as u8 {
-        4 => Action::Mode(Mode::Auto),
-        _ if mode == Mode::Rtl => Action::Warn,
-        2 => Action::Glide,
-        3 => Action::Warn,
-        1 | 5 => Action::Mode(Mode::Rtl),
-        _ if matches!(mode, Mode::Guided | Mode::Auto) => Action::Warn,
-        _ => Action::Mode(Mode::Rtl),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_value_of_the_long_failsafe_does_what_arduplane_does() {
-        const RETURN: Action = Action::Mode(Mode::Rtl);
-        const AUTO: Action = Action::Mode(Mode::Auto);
-        for (value, guided, loiter, rtl) in [
-            (0.0, Action::Warn, RETURN, Action::Warn),
-            (1.0, RETURN, RETURN, Action::Warn),
-            (2.0, Action::Glide, Action::Glide, Action::Warn),
-            (3.0, Action::Warn, Action::Warn, Action::Warn),
-            (4.0, AUTO, AUTO, AUTO),
-            (5.0, RETURN, RETURN, Action::Warn),
-        ] {
-            let found = [Mode::Guided, Mode::Loiter, Mode::Rtl].map(|mode| long_action(value, mode));
-            assert_eq!(found, [guided, loiter, rtl], "{value}");
-        }
     }
 }

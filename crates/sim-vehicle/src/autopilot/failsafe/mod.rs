@@ -5,7 +5,9 @@ pub(crate) mod battery;
 mod engine;
 mod gps;
 mod ground_station;
+mod long_action;
 pub(crate) mod proposal;
+pub(crate) mod receiver;
 pub(crate) mod setpoints;
 pub(crate) mod streams;
 mod wind;
@@ -18,6 +20,7 @@ use engine::EngineWatch;
 use gps::GpsWatch;
 use ground_station::GroundStationWatch;
 use proposal::Proposal;
+use receiver::ReceiverWatch;
 use setpoints::SetpointWatch;
 use streams::StreamWatch;
 use wind::WindWatch;
@@ -27,6 +30,7 @@ use wind::WindWatch;
 pub(crate) struct Failsafes {
     pub setpoints: SetpointWatch,
     pub ground_station: GroundStationWatch,
+    pub receiver: ReceiverWatch,
     pub battery: BatteryWatch,
     pub gps: GpsWatch,
     pub engine: EngineWatch,
@@ -48,6 +52,8 @@ impl Failsafes {
             *next += 1;
             let proposal = match *next {
                 1 => self.setpoints.check(now, timers),
+                // Of the two long ones the first acts.
+                2 if self.receiver.is_long() => None,
                 2 => self.ground_station.check(now, timers),
                 3 => self.battery.check(now, timers, events),
                 4 => self.gps.check(now, events),
@@ -65,6 +71,7 @@ impl Failsafes {
     pub fn is_any(&self) -> bool {
         self.setpoints.is_lost()
             || self.ground_station.is_lost()
+            || self.receiver.acts()
             || self.gps.is_lost()
             || self.engine.has_failed()
             || self.battery.level() != BatteryLevel::Ok
@@ -74,6 +81,7 @@ impl Failsafes {
     /// Somebody has set a mode: what the lack of a stream has brought about is over.
     pub fn mode_set(&mut self) {
         self.setpoints.set_lost(false);
+        self.receiver.mode_set();
         self.streams.set_lost(None);
     }
 }

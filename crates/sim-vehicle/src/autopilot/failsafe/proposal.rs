@@ -24,6 +24,10 @@ pub(crate) enum Cause {
     GroundLost,
     /// No hand on the sticks in a mode that they fly: PX4's.
     Sticks,
+    /// The pilot's receiver has failed: at once, after a while, and well again.
+    ReceiverShort,
+    ReceiverLong,
+    ReceiverBack,
 }
 
 /// What is to be done about it.
@@ -36,6 +40,17 @@ pub(crate) enum Action {
     Land,
     /// FBWA with the engine idle.
     Glide,
+}
+
+impl Action {
+    /// The mode after it, in whose mode it is done; of a landing that is not known before.
+    pub fn mode_after(self, now: Mode) -> Mode {
+        match self {
+            Self::Mode(mode) => mode,
+            Self::Glide => Mode::Fbwa,
+            Self::Warn | Self::Land => now,
+        }
+    }
 }
 
 /// An action and its reason.

@@ -21,6 +21,9 @@ pub(crate) enum FencePointError {
     Count { got: u8, total: u8 },
     #[error("Invalid fence point, index past total ({index} >= {total})")]
     Index { index: u8, total: u8 },
+    /// Of one that is asked for: in ArduPilot without the space.
+    #[error("Invalid fence point, index past total({index} >= {total})")]
+    FetchIndex { index: u8, total: u8 },
     #[error("Invalid fence point, bad lat or lng")]
     Position,
 }
@@ -42,7 +45,9 @@ impl Fence {
         if count != self.total {
             return Err(FencePointError::Count { got: count, total: self.total });
         }
-        self.check_index(index)?;
+        if index >= self.total {
+            return Err(FencePointError::Index { index, total: self.total });
+        }
         let is_place = latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0;
         if !is_place {
             return Err(FencePointError::Position);
@@ -66,7 +71,9 @@ impl Fence {
     pub fn point(&self, index: u8) -> Result<FencePoint, FencePointError> {
         let (return_point, corners) = self.simple().ok_or(FencePointError::Advanced)?;
         self.check_total()?;
-        self.check_index(index)?;
+        if index >= self.total {
+            return Err(FencePointError::FetchIndex { index, total: self.total });
+        }
         let place = match usize::from(index) {
             0 => return_point.or_else(|| middle(&corners)),
             _ if index == self.total - 1 => corners.first().copied(),
@@ -84,11 +91,6 @@ impl Fence {
 
     fn check_total(&self) -> Result<(), FencePointError> {
         if (1..POINTS_MIN).contains(&self.total) { Err(FencePointError::Total) } else { Ok(()) }
-    }
-
-    fn check_index(&self, index: u8) -> Result<(), FencePointError> {
-        let total = self.total;
-        if index >= total { Err(FencePointError::Index { index, total }) } else { Ok(()) }
     }
 
     /// The return point and the corners, if the fence is no more than that.

@@ -29,6 +29,12 @@ impl Sticks {
         self.throttle.is_some_and(|throttle| throttle > IDLE)
     }
 
+    /// Whether they close the throttle, within ArduPilot's dead zone of 30 microseconds.
+    pub(super) fn close_throttle(&self) -> bool {
+        const CLOSED: f64 = 0.03;
+        self.throttle.is_some_and(|throttle| throttle <= CLOSED)
+    }
+
     /// Whether they lift it off.
     pub(super) fn lift(&self) -> bool {
         self.pitch > 0.0

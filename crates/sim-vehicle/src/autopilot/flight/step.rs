@@ -68,7 +68,7 @@ impl Flight {
             };
             setpoint = landing.setpoint(&view, &setpoint);
         }
-        if !self.is_engine_running() || self.glides {
+        if self.is_idle() {
             setpoint.speed_mps = self.dynamics.limits.speed_min_mps;
             setpoint.altitude_m = self.altitude_to_climb_at(-self.airspeed_mps() / GLIDE_RATIO);
         }
@@ -90,6 +90,17 @@ impl Flight {
     /// The sticks, in the modes that they fly.
     fn hands(&self) -> Option<Sticks> {
         self.sticks.filter(|_| self.mode.is_manual())
+    }
+
+    /// Whether its engine gives nothing: it has none, or it is led down without it.
+    pub(crate) fn is_idle(&self) -> bool {
+        !self.is_engine_running() || self.glides || self.is_throttle_closed()
+    }
+
+    /// Whether somebody holds the throttle closed in a mode in which it is the pilot's.
+    fn is_throttle_closed(&self) -> bool {
+        let is_pilots = matches!(self.mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa) && self.is_flying();
+        is_pilots && self.hands().is_some_and(|sticks| sticks.close_throttle())
     }
 
     /// A setpoint with the attitude that somebody else sets in the place of what was held.

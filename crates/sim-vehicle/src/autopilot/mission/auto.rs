@@ -1,14 +1,14 @@
 //! AUTO: one item after the other.
 
 use super::items::{
-    CHANGE_ALTITUDE, CHANGE_SPEED, FENCE_ENABLE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE,
-    LOITER_TURNS, LOITER_UNLIM, RETURN_TO_LAUNCH, SET_HOME, TAKEOFF, WAYPOINT, has_place,
+    CHANGE_ALTITUDE, JUMP, JUMP_TO_TAG, LAND, LOITER_TIME, LOITER_TO_ALTITUDE, LOITER_TURNS, LOITER_UNLIM,
+    RETURN_TO_LAUNCH, TAKEOFF, WAYPOINT, has_place, is_flown_to, is_jump,
 };
 use super::legs::{AltitudeEnd, Leg, is_beyond};
 use super::loiter::{Exit, Goal, Loiter, PX4_ALTITUDE_M, Rules};
+use super::names;
 use crate::autopilot::event::Event;
 use crate::autopilot::flight::tuning::TAKEOFF_TOLERANCE_M;
-use crate::autopilot::home::Home;
 use crate::autopilot::{Autopilot, MISSION_COMPLETE};
 use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
@@ -22,6 +22,9 @@ use std::time::Duration;
 /// round for ever.
 const ITEMS_AT_ONCE_MAX: usize = 1000;
 
+/// Most jumps of those, as in ArduPilot.
+const JUMPS_AT_ONCE_MAX: usize = 64;
+
 /// Least height above home that is climbed to before a mission without a take-off goes on, m.
 const LEAST_TAKE_OFF_M: f64 = 10.0;
 
@@ -34,8 +37,41 @@ impl Autopilot {
         if !self.mission.is_flyable() {
             return Err(CommandError::failed("Mission: nothing to fly"));
         }
+        let is_flown = self.mode() == Mode::Auto && self.flight.is_armed();
+        if self.rules.tells_next_flown_item && !self.leads_anywhere(seq) {
+            if is_flown {
+                self.session.progress.complete();
+                self.end_mission("Mission complete");
+            }
+            return Err(CommandError::failed(format!("Mission: nothing to fly from item {seq} on")));
+        }
         self.session.progress.choose(seq, &self.mission, resets_jumps);
         Ok(())
+    }
+
+    /// Whether an item, or one behind it, is flown to, jumps that there is a place for included.
+    fn leads_anywhere(&self, first: u16) -> bool {
+        let mut at = first.max(self.mission.first());
+        // Jumps may go round.
+        for _ in 0..=self.mission.len() {
+            let Some(item) = self.mission.get(at) else { return false };
+            if is_flown_to(item) {
+                return true;
+            }
+            let times = self.session.progress.jumps_made(at);
+            let is_made = is_jump(item) && (item.params[1] < 0.0 || times < item.params[1] as u32);
+            let tagged = || self.mission.tagged(f64::from(item.params[0]));
+            at = match item.command {
+                JUMP if is_made => item.params[0] as u16,
+                JUMP_TO_TAG => match tagged() {
+                    Some(to) if is_made => to,
+                    Some(_) => at + 1,
+                    None => return false,
+                },
+                _ => at + 1,
+            };
+        }
+        false
     }
 
     /// The item that was chosen is told as an ArduPlane tells it: the next one that is flown to.
@@ -73,7 +109,7 @@ impl Autopilot {
         if self.mode() != Mode::Auto || !self.flight.is_armed() {
             return;
         }
-        let mut has_jumped = false;
+        let mut jumps = 0;
         for _ in 0..ITEMS_AT_ONCE_MAX {
             if self.mode() != Mode::Auto {
                 return;
@@ -85,14 +121,22 @@ impl Autopilot {
             };
             if matches!(self.session.progress.leg, Leg::Begin) {
                 let seq = self.session.progress.begin_item();
-                self.begin_item(&item);
-                // What needs no flying is reached too.
-                let is_done = self.session.progress.current() != seq;
-                let is_jump = matches!(item.command, JUMP | JUMP_TO_TAG);
-                has_jumped |= is_jump;
                 // Once is enough for what a jump comes back to without any flying.
-                if is_done && !is_jump && !has_jumped {
-                    self.tell_reached(seq);
+                let has_jumped = jumps > 0;
+                if is_jump(&item) {
+                    jumps += 1;
+                    if jumps > JUMPS_AT_ONCE_MAX {
+                        break;
+                    }
+                    self.jump_from(seq, &item);
+                } else if !is_flown_to(&item) {
+                    self.come_to_command(seq, &item, !has_jumped);
+                } else {
+                    self.begin_item(&item);
+                    // What is flown to and needs no flying is reached too.
+                    if self.session.progress.current() != seq && !has_jumped {
+                        self.tell_reached(seq);
+                    }
                 }
             } else if self.is_leg_done() {
                 if let Some(leg) = self.stay_at_waypoint(&item) {
@@ -104,7 +148,7 @@ impl Autopilot {
                 }
                 self.end_leg();
             } else {
-                return;
+                return self.follow_conditions();
             }
         }
         self.session.progress.complete();
@@ -136,7 +180,7 @@ impl Autopilot {
         self.say(Severity::Info, &text);
     }
 
-    fn tell_reached(&mut self, seq: u16) {
+    pub(super) fn tell_reached(&mut self, seq: u16) {
         self.session.progress.note_reached(seq, self.time);
         self.events.push(Event::ItemReached(seq));
     }
@@ -155,6 +199,12 @@ impl Autopilot {
         }
     }
 
+    pub(super) fn tell_beginning(&mut self, seq: u16, item: &PlanItem) {
+        if let Some(text) = names::beginning(seq, item).filter(|_| self.rules.words.narrates_missions) {
+            self.say(Severity::Info, &text);
+        }
+    }
+
     fn end_leg(&mut self) {
         let seq = self.session.progress.current();
         match self.session.progress.leg {
@@ -166,6 +216,8 @@ impl Autopilot {
             Leg::Place { at, .. } | Leg::Circle(Loiter { centre: at, .. }) => self.session.progress.set_from(Some(at)),
             _ => self.session.progress.set_from(None),
         }
+        // What waits for a condition still is passed over.
+        self.session.progress.set_waiting(None);
         self.tell_end_of_leg(seq);
         self.tell_reached(seq);
         if matches!(self.session.progress.leg, Leg::Landing) {
@@ -179,9 +231,7 @@ impl Autopilot {
 
     fn begin_item(&mut self, item: &PlanItem) {
         let seq = self.session.progress.current();
-        if let Some(name) = flown_name(item.command).filter(|_| self.rules.words.narrates_missions) {
-            self.say(Severity::Info, &format!("Mission: {seq} {name}"));
-        }
+        self.tell_beginning(seq, item);
         let [p1, p2, p3, _] = item.params.map(f64::from);
         let at = self.reference().place_of(item, self.flight.here());
         let altitude_m = self.reference().altitude_of(item);
@@ -259,33 +309,7 @@ impl Autopilot {
                 self.set_mode(Mode::Rtl);
                 return;
             }
-            CHANGE_SPEED => {
-                let [kind, speed_mps, throttle, _] = item.params;
-                self.change_mission_speed([kind, speed_mps, throttle]);
-                return self.session.progress.go_to(seq + 1);
-            }
-            SET_HOME => {
-                if p1 == 1.0 {
-                    self.set_home_here();
-                } else {
-                    self.set_home(Home::new(at, altitude_m));
-                }
-                return self.session.progress.go_to(seq + 1);
-            }
-            FENCE_ENABLE => {
-                // A fence that is not there is not enabled; the mission goes on.
-                let [action, kinds, ..] = item.params;
-                let _ = self.enable_fence([action, kinds]);
-                return self.session.progress.go_to(seq + 1);
-            }
-            JUMP => return self.session.progress.jump(seq, p1 as u16, p2),
-            JUMP_TO_TAG => {
-                return match self.mission.tagged(p1) {
-                    Some(to) => self.session.progress.jump(seq, to, p2),
-                    None => self.session.progress.go_to(seq + 1),
-                };
-            }
-            // Marks, and what the upload lets in that means nothing here.
+            // What the upload lets in that means nothing here.
             _ => return self.session.progress.go_to(seq + 1),
         };
     }
@@ -377,19 +401,6 @@ impl Autopilot {
         let made = self.session.progress.jumps_made(seq);
         item.params[1] < 0.0 || made < item.params[1] as u32
     }
-
-    /// What the autopilot does not take changes nothing, and the mission goes on.
-    fn change_mission_speed(&mut self, [kind, speed_mps, throttle]: [f32; 3]) {
-        if self.rules.has_ardupilot_commands {
-            let _ = self.change_speed_as_arduplane([kind, speed_mps, throttle]);
-            return;
-        }
-        let usual_mps = f64::from(self.parameters.get(Parameter::AirspeedCruise));
-        let speed_mps = if speed_mps > 0.0 { f64::from(speed_mps) } else { usual_mps };
-        let least = f64::from(self.parameters.get(Parameter::AirspeedMin));
-        let most = f64::from(self.parameters.get(Parameter::AirspeedMax));
-        self.flight.set_speed(speed_mps.clamp(least, most), f64::INFINITY);
-    }
 }
 
 /// A place so far behind another one as seen from a third: a waypoint is passed by so much.
@@ -399,20 +410,4 @@ fn beyond(from: Vector2<f64>, at: Vector2<f64>, distance_m: f64) -> Vector2<f64>
         return at;
     }
     at + way * (distance_m / way.norm())
-}
-
-/// ArduPilot's short name of an item that is flown (`AP_Mission::Mission_Command::type`).
-fn flown_name(command: u16) -> Option<&'static str> {
-    Some(match command {
-        WAYPOINT => "WP",
-        RETURN_TO_LAUNCH => "RTL",
-        LOITER_UNLIM => "LoitUnlim",
-        LOITER_TIME => "LoitTime",
-        LOITER_TURNS => "LoitTurns",
-        LOITER_TO_ALTITUDE => "LoitAltitude",
-        TAKEOFF => "Takeoff",
-        LAND => "Land",
-        CHANGE_ALTITUDE => "ContinueAndChangeAlt",
-        _ => return None,
-    })
 }

@@ -111,6 +111,11 @@ pub(super) fn is_flown_to(item: &PlanItem) -> bool {
     item.command <= NAV_LAST || OTHERS.contains(&item.command)
 }
 
+/// Whether an item leads to another one.
+pub(super) fn is_jump(item: &PlanItem) -> bool {
+    matches!(item.command, JUMP | JUMP_TO_TAG)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,11 +1,14 @@
 //! Missions: which items are accepted, and how AUTO flies them.
 
 mod auto;
+mod commands;
+mod conditions;
 pub(crate) mod feasibility;
 pub(crate) mod items;
 mod landing;
 mod legs;
 mod loiter;
+mod names;
 pub(crate) mod progress;
 
 use mavlink_bridge::PlanItem;

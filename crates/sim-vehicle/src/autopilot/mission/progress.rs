@@ -1,8 +1,10 @@
 //! How far AUTO has come.
 
 use super::Mission;
+use super::conditions::Waiting;
 use super::items::is_flown_to;
 use super::legs::Leg;
+use super::loiter::Loiter;
 use nalgebra::Vector2;
 use std::time::Duration;
 
@@ -25,6 +27,8 @@ pub(crate) struct Progress {
     pub(super) leg: Leg,
     /// The item that was reached last, and when.
     reached: Option<(u16, Duration)>,
+    /// Commands that wait for a condition.
+    waiting: Option<Waiting>,
 }
 
 impl Progress {
@@ -34,9 +38,10 @@ impl Progress {
     }
 
     /// An item of a mission that somebody has chosen comes next. Jumps that have been made count still, unless they
-    /// are reset.
+    /// are reset, home is chosen, or the mission is over.
     pub fn choose(&mut self, seq: u16, mission: &Mission, resets_jumps: bool) {
-        let jumps = if resets_jumps { Vec::new() } else { std::mem::take(&mut self.jumps) };
+        let begins_anew = resets_jumps || seq < mission.first() || self.is_complete;
+        let jumps = if begins_anew { Vec::new() } else { std::mem::take(&mut self.jumps) };
         let current = seq.max(mission.first());
         *self = Self { current, has_begun: true, told_as: Some(current), jumps, ..Self::default() };
     }
@@ -129,16 +134,36 @@ impl Progress {
         self.leg = Leg::Begin;
     }
 
-    /// From an item to another, so many times; a negative number is for ever.
-    pub(super) fn jump(&mut self, from: u16, to: u16, times: f64) {
+    pub(super) fn waiting(&self) -> Option<Waiting> {
+        self.waiting
+    }
+
+    pub(super) fn set_waiting(&mut self, waiting: Option<Waiting>) {
+        self.waiting = waiting;
+    }
+
+    /// The place that is flown to or circled, (north, east) in m, if the item has one.
+    pub(super) fn place(&self) -> Option<Vector2<f64>> {
+        match self.leg {
+            Leg::Place { at, .. } | Leg::Circle(Loiter { centre: at, .. }) => Some(at),
+            _ => None,
+        }
+    }
+
+    /// From an item to another, so many times; a negative number is for ever. Gives how often it has been made, if it
+    /// is made again. A jump that has been made as often as it should counts from the beginning when it is come to
+    /// again.
+    pub(super) fn jump(&mut self, from: u16, to: u16, times: f64) -> Option<u32> {
         let index = self.jumps.iter().position(|(jump, _)| *jump == from).unwrap_or_else(|| {
             self.jumps.push((from, 0));
             self.jumps.len() - 1
         });
         let made = &mut self.jumps[index].1;
         let again = times < 0.0 || f64::from(*made) < times;
-        *made += u32::from(again);
+        *made = if again { *made + 1 } else { 0 };
+        let made = *made;
         self.go_to(if again { to } else { from + 1 });
+        again.then_some(made)
     }
 
     /// Where the leg to the current item begins, (north, east) in m.

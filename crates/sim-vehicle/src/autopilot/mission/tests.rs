@@ -97,6 +97,75 @@ proptest! {
     }
 }
 
+/// A vehicle that flies north at 10 m/s over a place, and behind it to another, with commands on the way.
+fn with_commands(commands: &[(u16, [f32; 4])]) -> Vehicle {
+    let mut vehicle = Vehicle::new(settings(false, 10.0)).unwrap();
+    let place = |x_m| item(&vehicle, WAYPOINT, (x_m, 0.0), 50.0, 5.0);
+    let between =
+        commands.iter().map(|(command, params)| PlanItem { command: *command, params: *params, ..place(0.0) });
+    let items = [PlanItem::default(), place(50.0)].into_iter().chain(between).chain([place(1000.0), place(1500.0)]);
+    let items = items.collect();
+    vehicle.autopilot_mut().replace_plan(PlanKind::Mission, items, true).unwrap();
+    vehicle.autopilot_mut().set_mode(Mode::Auto);
+    vehicle
+}
+
+/// Where it was when it was first asked for another speed, m to the north; none on the way to the last place.
+fn speeds_up_at_m(vehicle: &mut Vehicle, last: u16) -> Option<f64> {
+    for tick in 1.. {
+        vehicle.advance(Duration::from_millis(100 * tick), &mut Vec::new());
+        if vehicle.autopilot().flight.speed_target_mps() == 12.0 {
+            return Some(vehicle.state().x_m);
+        }
+        if vehicle.autopilot().session.progress.current() == last {
+            return None;
+        }
+    }
+    None
+}
+
+#[test]
+fn commands_wait_for_a_condition_while_the_next_place_is_flown_to() {
+    const SPEED: (u16, [f32; 4]) = (178, [0.0, 12.0, 0.0, 0.0]);
+    let at_m = |condition: (u16, [f32; 4])| {
+        speeds_up_at_m(&mut with_commands(&[condition, (183, [1.0, 1500.0, 0.0, 0.0]), SPEED]), 6)
+    };
+    let delayed_m = at_m((112, [10.0, 0.0, 0.0, 0.0])).unwrap();
+    assert!((delayed_m - 150.0).abs() < 8.0, "{delayed_m}");
+    let near_m = at_m((114, [300.0, 0.0, 0.0, 0.0])).unwrap();
+    assert!((near_m - 700.0).abs() < 2.0, "{near_m}");
+    // What waits still when the place is reached is passed over.
+    assert_eq!(at_m((112, [500.0, 0.0, 0.0, 0.0])), None);
+}
+
+#[test]
+fn an_item_with_nothing_to_fly_behind_it_cannot_be_chosen() {
+    // The tag behind the last place, and a jump to one that there is not.
+    for commands in [[(600, [7.0, 0.0, 0.0, 0.0])], [(601, [9.0, 0.0, 0.0, 0.0])]] {
+        let mut vehicle = with_commands(&[]);
+        let mut items = vehicle.autopilot().mission().items().to_vec();
+        items.extend(commands.map(|(command, params)| PlanItem { command, params, ..PlanItem::default() }));
+        vehicle.autopilot_mut().replace_plan(PlanKind::Mission, items, true).unwrap();
+        vehicle.autopilot_mut().set_mode(Mode::Auto);
+        assert!(vehicle.autopilot_mut().set_current_item(3, false).is_ok());
+        assert_eq!(vehicle.mode(), Mode::Auto);
+        assert!(vehicle.autopilot_mut().set_current_item(4, false).is_err());
+        assert_eq!(vehicle.mode(), Mode::Rtl);
+    }
+}
+
+#[test]
+fn a_jump_that_is_over_counts_anew_and_home_resets_all() {
+    let mut progress = super::progress::Progress::default();
+    let made: Vec<_> = (0..4).map(|_| progress.jump(3, 1, 2.0)).collect();
+    assert_eq!(made, [Some(1), Some(2), None, Some(1)]);
+    let mission = super::Mission::new(1);
+    progress.choose(2, &mission, false);
+    assert_eq!(progress.jumps_made(3), 1);
+    progress.choose(0, &mission, false);
+    assert_eq!(progress.jumps_made(3), 0);
+}
+
 #[test]
 fn a_waypoint_that_is_missed_is_passed_by_an_arduplane_and_flown_to_again_by_others() {
     let legs = |personality: Personality| {

@@ -4,6 +4,7 @@ pub(super) mod commands;
 pub(super) mod devices;
 mod kinds;
 pub(super) mod messages;
+mod renamed;
 pub(super) mod targets;
 
 use super::px4;
@@ -68,6 +69,7 @@ pub(super) const RULES: Rules = Rules {
     has_parameter: |parameter: Parameter| !px4::parameters::OWN_PARAMETERS.contains(&parameter),
     parameter: |parameter| (parameter.name(), parameter.kind()),
     inert_parameter: kinds::of,
+    renamed_parameters: renamed::RENAMED,
     initial_parameters: &[],
     bytewise_parameters: false,
     tells_whole_numbers_as_floats: false,

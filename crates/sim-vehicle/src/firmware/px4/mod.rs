@@ -70,6 +70,7 @@ pub(super) const RULES: Rules = Rules {
     mission_mode_suspended: 2,
     repeats_reached: true,
 
+    renamed_parameters: &[],
     has_parameter: |parameter| !parameters::ABSENT_PARAMETERS.contains(&parameter),
     parameter: parameters::parameter,
     initial_parameters: &[

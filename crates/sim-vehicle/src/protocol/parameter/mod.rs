@@ -10,6 +10,7 @@ use crate::error::{ParameterError, Severity};
 use crate::host::system_ids::SystemIds;
 use crate::links::PeerId;
 use crate::parameters::Listed;
+use crate::parameters::renamed::no_parameter;
 use crate::parameters::table::{Effect, Parameter, RateGroup};
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::{Stream, groups};
@@ -251,7 +252,7 @@ fn message(component: &Component, listed: Listed, index: Option<u16>) -> Message
 }
 
 fn refuse_unknown(component: &mut Component, link: usize, sender: Target, name: &str) {
-    let reason = ParameterError::Unknown(name.to_owned()).to_string();
+    let reason = no_parameter(component.autopilot.rules(), name).to_string();
     let error = MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST;
     refuse(component, link, &parameter_error(name, -1, error, sender), &reason);
 }

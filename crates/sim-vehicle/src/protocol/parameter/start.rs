@@ -5,6 +5,7 @@ use crate::error::ParameterError;
 use crate::parameters::Listed;
 use crate::parameters::defaults::in_any_order;
 use crate::parameters::file::ParameterEntry;
+use crate::parameters::renamed::no_parameter;
 use crate::settings::SettingsError;
 use crate::telemetry::announce::Component;
 
@@ -32,7 +33,7 @@ impl ParameterService {
         match component.autopilot.parameters.find(name) {
             Some(Listed::Acting(parameter)) => self.set(component, parameter, value as f32),
             Some(Listed::Inert(index)) => component.autopilot.parameters.set_inert(index, value),
-            None => Err(ParameterError::Unknown(name.to_owned())),
+            None => Err(no_parameter(component.autopilot.rules(), name)),
         }
     }
 }
