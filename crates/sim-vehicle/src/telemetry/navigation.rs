@@ -52,8 +52,8 @@ impl Instruments<'_> {
         })
     }
 
-    /// CURRENT_MODE (<https://mavlink.io/en/messages/common.html#CURRENT_MODE>): a failsafe stands between the mode that
-    /// is flown and the one that was meant.
+    /// CURRENT_MODE (<https://mavlink.io/en/messages/common.html#CURRENT_MODE>): a failsafe stands between the mode
+    /// that is flown and the one that was meant.
     pub(super) fn current_mode(&self) -> Message {
         let mode = self.flight.mode();
         let comes_back = self.autopilot.session.failsafes.streams.ends_with_setpoints();

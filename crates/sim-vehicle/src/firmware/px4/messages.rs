@@ -24,8 +24,8 @@ pub(in crate::firmware) fn offer(message_id: u32) -> Offer {
     }
 }
 
-/// Whether a message that is due is sent: what it steers for is told on the ground too, though not when it is asked for;
-/// a wind is known in the air alone.
+/// Whether a message that is due is sent: what it steers for is told on the ground too, though not when it is asked
+/// for; a wind is known in the air alone.
 pub(in crate::firmware) fn streams(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {
         Stream::PositionTargetLocalNed => true,
