@@ -209,7 +209,8 @@ fn a_page_is_told_the_choices_of_the_vehicle_that_it_looks_at_and_needs_no_token
     let view = view();
     let feed = view.feed();
     let choice = |vehicle, at_s| Choice { vehicle, at_s, members: vec![Member::default()], ..Choice::default() };
-    [choice(2, 0.5), choice(7, 0.5)].map(|choice| feed.choose(choice));
+    feed.choose(choice(2, 0.5));
+    feed.choose(choice(7, 0.5));
     let mut client = Client::open(&view);
     assert!(feed.watched().is_empty());
     client.say("{\"look\": 7}");
