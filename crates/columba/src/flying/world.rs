@@ -30,7 +30,7 @@ pub trait World {
     /// The states of all vehicles as the controller knows them; the planned starts before the first are known.
     fn states(&self) -> &[State];
 
-    /// What the ground knows of vehicles that do not act at once, because they are behind a link or slow to answer;
+    /// What the ground knows of vehicles that do not act at once, because they are behind a link, or slow to answer;
     /// none: [`states`](Self::states) are where its commands act.
     fn watch(&self) -> Option<&Watch> {
         None
@@ -99,7 +99,6 @@ pub async fn fly<W: World>(
     let over_ground = world.tells_ground_speeds();
     let settings = if over_ground { scenario.flock_settings_over_ground() } else { scenario.flock_settings() };
     let settings = if world.watch().is_some() { settings.behind_a_link() } else { settings };
-    let dynamics = settings.dynamics.clone();
     let mut flock = Flock::new(settings, scenario.starts.len())?;
     let prepared = unless_stopped(&mut stop, world.prepare()).await;
     tracing::debug!(
@@ -123,10 +122,12 @@ pub async fn fly<W: World>(
                 }
                 None => world.states(),
             };
+            progress.watch(&mut flock, scenario.starts.len());
             let decisions = flock.tick(tick, states, &clock);
             recorder.tick(world.now(), world.states(), decisions);
             unless_stopped(&mut stop, world.send(decisions)).await?;
             progress.decided(world.now(), world.states(), decisions, &recorder);
+            progress.chosen(world.now(), &flock);
             let until = scenario.control_period * u32::try_from(tick + 1).unwrap_or(u32::MAX);
             unless_stopped(&mut stop, world.advance(until)).await?;
             let minima = recorder.judge(world.ground_truth());
@@ -147,7 +148,7 @@ pub async fn fly<W: World>(
     let mut closed = world.close();
     let log = closed.log.take();
     tracing::debug!(counters = %closed.counters, "closed");
-    Ok((recorder.finish(scenario, transport, dynamics, flown.into(), closed), log))
+    Ok((recorder.finish(scenario, transport, flown.into(), closed), log))
 }
 
 /// The result of `work`, unless the flight is interrupted first.
