@@ -179,6 +179,10 @@ pub struct Summary {
     /// where time is simulated in step with the controller.
     #[serde(default)]
     pub present: serde_json::Value,
+    /// Root mean square of the distances at ticks from where the controller's model has a vehicle, from its state 3 s
+    /// before and the setpoints since then, m; `null` where that is not known.
+    #[serde(default)]
+    pub prediction_rms_m: Option<f64>,
     /// What a ground station knows of a flight with vehicles that keep their own time: events, vehicles, and what the
     /// least distances rest on; `null` for others.
     #[serde(default)]

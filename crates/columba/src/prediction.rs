@@ -56,6 +56,14 @@ pub fn errors_m(flight: &Flight, vehicle: usize) -> Vec<(f64, f64)> {
     errors
 }
 
+/// The flight with the root mean square of all vehicles' errors in its summary.
+pub fn with_prediction(mut flight: Flight) -> Flight {
+    let errors: Vec<(f64, f64)> =
+        (0..flight.trajectory.vehicles).flat_map(|vehicle| errors_m(&flight, vehicle)).collect();
+    flight.summary.prediction_rms_m = rms(&errors);
+    flight
+}
+
 /// Root mean square of some errors; none of no error.
 pub fn rms(errors: &[(f64, f64)]) -> Option<f64> {
     let square = errors.iter().map(|(_, error)| error * error).sum::<f64>() / errors.len() as f64;
@@ -100,6 +108,7 @@ mod tests {
             assert_eq!((errors.len(), errors[0].0), (34, 3.0));
             // The dead times before the first row are not known.
             assert!(rms(&errors[1..]).unwrap() < 0.02, "{errors:?}");
+            assert_eq!(with_prediction(flight.clone()).summary.prediction_rms_m, rms(&errors));
             flight.dynamics[0].time_constants.course_s *= 3.0;
             assert!(rms(&errors_m(&flight, 0)).unwrap() > 0.5);
         }

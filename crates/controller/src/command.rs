@@ -2,7 +2,7 @@
 
 use crate::polynomial::SINCOS_RANGE_RAD;
 use crate::{AltitudeLaw, CourseLaw, LawSettings, terms};
-use flight_model::{Dynamics, Setpoint, State, wrap_pi};
+use flight_model::{Dynamics, Setpoint, State, Wind, wrap_pi};
 use nalgebra::Vector2;
 
 /// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
@@ -47,7 +47,9 @@ impl Commander {
             },
             speed_min_mps: limits.speed_min_mps,
             speed_max_mps: limits.speed_max_mps,
-            course_change_max_rad: COURSE_CHANGE_MAX_RAD.min(SINCOS_RANGE_RAD / turned),
+            course_change_max_rad: COURSE_CHANGE_MAX_RAD
+                .min(dynamics.response.course_step_max_rad)
+                .min(SINCOS_RANGE_RAD / turned),
             course_change_speed_max: slowest_course_s * limits.lateral_acceleration_max_mps2(),
             altitude_time_constants_s: (tau.altitude_a_s, tau.altitude_b_s),
             printed_altitude: match law.altitude_law {
@@ -84,6 +86,24 @@ impl Commander {
     /// The speed on which the vehicle settles with a setpoint, m/s.
     pub fn speed_mps(&self, setpoint: &Setpoint) -> f64 {
         setpoint.speed_mps * self.speed_gain
+    }
+
+    /// A setpoint of speed and course over ground as one of airspeed and heading.
+    pub fn in_air(&self, setpoint: &Setpoint, wind: &Wind) -> Setpoint {
+        if wind.is_calm() {
+            return *setpoint;
+        }
+        let settled = Setpoint { speed_mps: self.speed_mps(setpoint), ..*setpoint }.in_air(wind);
+        Setpoint { speed_mps: self.asked_mps(settled.speed_mps), ..settled }
+    }
+
+    /// A setpoint of airspeed and heading as one of speed and course over ground.
+    pub fn over_ground(&self, setpoint: &Setpoint, wind: &Wind) -> Setpoint {
+        if wind.is_calm() {
+            return *setpoint;
+        }
+        let settled = Setpoint { speed_mps: self.speed_mps(setpoint), ..*setpoint }.over_ground(wind);
+        Setpoint { speed_mps: self.asked_mps(settled.speed_mps), ..settled }
     }
 
     /// The course changes (least and greatest, rad) that a command may ask on a course, after the last command: its

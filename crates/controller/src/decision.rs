@@ -5,6 +5,11 @@ use flight_model::{Dynamics, RangeError, Ranges, Setpoint};
 use optimizer::OptimizerSettings;
 use std::time::Duration;
 
+/// Greatest course change that a command over a link asks for, rad.
+const COURSE_CHANGE_BEHIND_LINK_RAD: f64 = 1.6;
+/// Over a link another side has to be better by this, m.
+const SIDE_BEHIND_LINK_M: f64 = 0.5;
+
 /// What a flock needs to know before its first tick.
 ///
 /// ```
@@ -32,6 +37,9 @@ pub struct FlockSettings {
     pub obstacles: Vec<Obstacle>,
     /// How its vehicles fly: one entry for each, or a single one for all.
     pub dynamics: Vec<Dynamics>,
+    /// An evasion turns to the other side than the last command only if that is better by this, m: where commands act
+    /// late, one that changes its side from tick to tick gets nowhere.
+    pub side_m: f64,
 }
 
 impl FlockSettings {
@@ -45,6 +53,7 @@ impl FlockSettings {
             expected,
             obstacles: Vec::new(),
             dynamics: vec![Dynamics::default()],
+            side_m: 0.0,
         }
     }
 }
@@ -71,6 +80,19 @@ impl FlockSettings {
             ranges.extend(response.check());
         }
         ranges.errors()
+    }
+
+    /// The same for vehicles behind a link: evasions keep their side, and no command asks for a hard turn at once. Where
+    /// it acts the vehicle may be on another course than foreseen, and a gust may have turned its nose; of a turn of
+    /// nearly half a circle the short way round is then the wrong one, into what is evaded.
+    #[must_use]
+    pub fn behind_a_link(mut self) -> Self {
+        self.side_m = SIDE_BEHIND_LINK_M;
+        for dynamics in &mut self.dynamics {
+            let step_max_rad = &mut dynamics.response.course_step_max_rad;
+            *step_max_rad = step_max_rad.min(COURSE_CHANGE_BEHIND_LINK_RAD);
+        }
+        self
     }
 
     /// How a vehicle flies.

@@ -4,7 +4,7 @@ use crate::forecast::{Craft, Forecast, LawContext};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
 use crate::{Decision, FlockError, FlockSettings, ForecastKind, Obstacle};
-use flight_model::State;
+use flight_model::{State, Wind};
 use rayon::prelude::*;
 use std::time::Duration;
 
@@ -14,12 +14,26 @@ use std::time::Duration;
 pub struct Flock {
     settings: FlockSettings,
     pilots: Vec<Pilot>,
-    neighbours: Neighbours,
-    forecast: Forecast,
+    outlook: Outlook,
     decisions: Vec<Decision>,
     crafts: Vec<Craft>,
+}
+
+/// What a flock sees at a tick beside the states.
+#[derive(Default)]
+struct Outlook {
+    neighbours: Neighbours,
+    forecast: Forecast,
     margins_m: Vec<f64>,
     reference_speeds_mps: Vec<f64>,
+    winds: Vec<Wind>,
+}
+
+impl Outlook {
+    fn around<'a>(&'a self, settings: &'a FlockSettings, states: &'a [State]) -> Surroundings<'a> {
+        let Self { neighbours, forecast, margins_m, reference_speeds_mps, winds } = self;
+        Surroundings { settings, states, neighbours, forecast, margins_m, reference_speeds_mps, winds }
+    }
 }
 
 impl Flock {
@@ -44,10 +58,7 @@ impl Flock {
             crafts: (0..vehicles).map(craft).collect(),
             settings,
             pilots,
-            neighbours: Neighbours::default(),
-            margins_m: Vec::new(),
-            reference_speeds_mps: Vec::new(),
-            forecast: Forecast::default(),
+            outlook: Outlook::default(),
             // Before the first solve the forecast flies the law with all weights one.
             decisions: vec![Decision { weights: [1.0; 3], ..Decision::default() }; vehicles],
         })
@@ -61,16 +72,23 @@ impl Flock {
     /// Says how far off the positions of the next ticks may be, m, one for each vehicle: both constraints of the
     /// look-ahead want so much more distance. None given: the positions are exact.
     pub fn set_margins(&mut self, margins_m: &[f64]) {
-        self.margins_m.clear();
-        self.margins_m.extend_from_slice(margins_m);
+        self.outlook.margins_m.clear();
+        self.outlook.margins_m.extend_from_slice(margins_m);
     }
 
     /// Gives the speeds to which Eq. 2 adds at the next ticks, m/s, one for each vehicle: a slow estimate settles where
     /// the measured speed, which the vehicle's own loop moves, would keep both loops busy. None given: those of the
     /// states.
     pub fn set_reference_speeds(&mut self, speeds_mps: &[f64]) {
-        self.reference_speeds_mps.clear();
-        self.reference_speeds_mps.extend_from_slice(speeds_mps);
+        self.outlook.reference_speeds_mps.clear();
+        self.outlook.reference_speeds_mps.extend_from_slice(speeds_mps);
+    }
+
+    /// Gives the winds around the vehicles at the next ticks, one for each: they turn and speed up in the air, and are
+    /// carried with it. None given: the air is still.
+    pub fn set_winds(&mut self, winds: impl IntoIterator<Item = Wind>) {
+        self.outlook.winds.clear();
+        self.outlook.winds.extend(winds);
     }
 
     /// Algorithm 2 for one control period: a decision for each vehicle, in the order of `states`.
@@ -113,14 +131,7 @@ impl Flock {
     /// ```
     pub fn tick(&mut self, tick: u64, states: &[State], clock: &(dyn Fn() -> Duration + Sync)) -> &[Decision] {
         self.look_around(states);
-        let around = Surroundings {
-            settings: &self.settings,
-            states,
-            neighbours: &self.neighbours,
-            forecast: &self.forecast,
-            margins_m: &self.margins_m,
-            reference_speeds_mps: &self.reference_speeds_mps,
-        };
+        let around = self.outlook.around(&self.settings, states);
         self.pilots
             .par_iter_mut()
             .zip(&mut self.decisions)
@@ -146,14 +157,7 @@ impl Flock {
         clock: &(dyn Fn() -> Duration + Sync),
     ) -> Option<Decision> {
         self.look_around(states);
-        let around = Surroundings {
-            settings: &self.settings,
-            states,
-            neighbours: &self.neighbours,
-            forecast: &self.forecast,
-            margins_m: &self.margins_m,
-            reference_speeds_mps: &self.reference_speeds_mps,
-        };
+        let around = self.outlook.around(&self.settings, states);
         states.get(vehicle)?;
         Some(self.pilots.get_mut(vehicle)?.decide(&around, vehicle, tick, clock))
     }
@@ -161,13 +165,13 @@ impl Flock {
     fn look_around(&mut self, states: &[State]) {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);
-        self.neighbours.update(states);
+        self.outlook.neighbours.update(states);
         match settings.controller.look_ahead.forecast {
-            ForecastKind::Straight => self.forecast.extrapolate(states, steps, settings.control_period_s),
+            ForecastKind::Straight => self.outlook.forecast.extrapolate(states, steps, settings.control_period_s),
             ForecastKind::Law => {
                 let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |last| last.weights);
-                let context = context(settings, &self.crafts);
-                self.forecast.fly_the_law(&context, states, weights, |_| None, steps);
+                let context = context(settings, &self.crafts, &self.outlook.winds);
+                self.outlook.forecast.fly_the_law(&context, states, weights, |_| None, steps);
             }
         }
     }
@@ -178,32 +182,26 @@ impl Flock {
     fn deconflict(&mut self, states: &[State]) {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);
-        let context = context(settings, &self.crafts);
+        let context = context(settings, &self.crafts, &self.outlook.winds);
         let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |decision| decision.weights);
         let first = |vehicle: usize| self.decisions.get(vehicle).map(|decision| decision.setpoint);
-        self.forecast.fly_the_law(&context, states, weights, first, steps);
+        self.outlook.forecast.fly_the_law(&context, states, weights, first, steps);
         for (vehicle, (pilot, decision)) in self.pilots.iter_mut().zip(&mut self.decisions).enumerate() {
-            let around = Surroundings {
-                settings,
-                states,
-                neighbours: &self.neighbours,
-                forecast: &self.forecast,
-                margins_m: &self.margins_m,
-                reference_speeds_mps: &self.reference_speeds_mps,
-            };
+            let around = self.outlook.around(settings, states);
             if let (Some(changed), Some(state)) = (pilot.reconsider(&around, vehicle, *decision), states.get(vehicle)) {
                 *decision = changed;
-                self.forecast.fly_again(&context, vehicle, state, changed.setpoint, changed.weights);
+                self.outlook.forecast.fly_again(&context, vehicle, state, changed.setpoint, changed.weights);
             }
         }
     }
 }
 
-fn context<'a>(settings: &'a FlockSettings, crafts: &'a [Craft]) -> LawContext<'a> {
+fn context<'a>(settings: &'a FlockSettings, crafts: &'a [Craft], winds: &'a [Wind]) -> LawContext<'a> {
     LawContext {
         law: &settings.controller.law,
         expected: &settings.expected,
         crafts,
+        winds,
         obstacles: &settings.obstacles,
         neighbours_max: settings.controller.look_ahead.neighbours_max,
     }

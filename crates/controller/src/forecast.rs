@@ -1,11 +1,11 @@
 //! The forecast of all vehicles during a look-ahead.
 
 use crate::command::Commander;
-use crate::law::command;
+use crate::law::{Flown, command};
 use crate::neighbours::Neighbours;
 use crate::terms::Neighbour;
 use crate::{Expected, LawSettings, Obstacle};
-use flight_model::{Autopilot, Dynamics, Setpoint, State};
+use flight_model::{Autopilot, Dynamics, Setpoint, State, Wind};
 use nalgebra::Vector2;
 
 /// A vehicle at one instant of a forecast.
@@ -47,6 +47,8 @@ pub struct LawContext<'a> {
     pub expected: &'a Expected,
     /// The vehicles; states beyond their number are flown as the first one.
     pub crafts: &'a [Craft],
+    /// The winds around them; calm where there is none.
+    pub winds: &'a [Wind],
     pub obstacles: &'a [Obstacle],
     pub neighbours_max: usize,
 }
@@ -58,11 +60,22 @@ impl Craft {
             half_period: Autopilot::new(dynamics, 0.5 * control_period_s),
         }
     }
+
+    /// The states half a control period later and a whole one, on a setpoint over ground.
+    fn fly(&self, state: &State, setpoint: &Setpoint, wind: &Wind) -> [State; 2] {
+        let setpoint = self.commander.in_air(setpoint, wind);
+        let middle = self.half_period.step_in_wind(state, &setpoint, wind);
+        [middle, self.half_period.step_in_wind(&middle, &setpoint, wind)]
+    }
 }
 
 impl LawContext<'_> {
-    fn setpoint(&self, craft: &Craft, state: &State, neighbours: &[Neighbour], weights: [f64; 3]) -> Setpoint {
-        command(self.law, self.expected, &craft.commander, state, neighbours, self.obstacles, weights)
+    fn setpoint(&self, flown: &Flown<'_>, neighbours: &[Neighbour], weights: [f64; 3]) -> Setpoint {
+        command(self.law, self.expected, flown, neighbours, self.obstacles, weights)
+    }
+
+    fn wind(&self, vehicle: usize) -> &Wind {
+        self.winds.get(vehicle).unwrap_or(&Wind::CALM)
     }
 
     /// A vehicle; none in a flock of none.
@@ -112,18 +125,20 @@ impl Forecast {
             self.next.clear();
             for (vehicle, state) in self.now.iter().enumerate() {
                 let Some(craft) = context.craft(vehicle) else { continue };
+                let wind = context.wind(vehicle);
                 let setpoint = match first(vehicle).filter(|_| step == 0) {
                     Some(first) => first,
                     None => {
                         self.index.nearest(&self.now, vehicle, range_m, context.neighbours_max, &mut self.found);
                         self.near.clear();
                         self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
-                        context.setpoint(craft, state, &self.near, weights(vehicle))
+                        let flown = Flown { commander: &craft.commander, state, wind };
+                        context.setpoint(&flown, &self.near, weights(vehicle))
                     }
                 };
-                let middle = craft.half_period.step(state, &setpoint);
+                let [middle, end] = craft.fly(state, &setpoint, wind);
                 self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
-                self.next.push(craft.half_period.step(&middle, &setpoint));
+                self.next.push(end);
             }
             std::mem::swap(&mut self.now, &mut self.next);
         }
@@ -140,7 +155,7 @@ impl Forecast {
     ) {
         let Some(craft) = context.craft(vehicle) else { return };
         let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
-        let (mut state, mut setpoint) = (*start, first);
+        let (mut state, mut setpoint, wind) = (*start, first, context.wind(vehicle));
         for step in 0..self.instants / 2 {
             if step > 0 {
                 self.near.clear();
@@ -153,10 +168,11 @@ impl Forecast {
                         });
                     }
                 }
-                setpoint = context.setpoint(craft, &state, &self.near, weights);
+                let flown = Flown { commander: &craft.commander, state: &state, wind };
+                setpoint = context.setpoint(&flown, &self.near, weights);
             }
-            let middle = craft.half_period.step(&state, &setpoint);
-            state = craft.half_period.step(&middle, &setpoint);
+            let [middle, end] = craft.fly(&state, &setpoint, wind);
+            state = end;
             self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
             self.passages[vehicle * self.instants + 2 * step + 2] = Passage::of(&state);
         }

@@ -3,15 +3,15 @@
 
 use crate::closest_approach::closest_approach_m;
 use crate::command::Commander;
-use crate::evasion::evade;
+use crate::evasion::{Asked, evade};
 use crate::forecast::{Forecast, Passage};
-use crate::law::command;
+use crate::law::{Flown, command};
 use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
 use crate::rollout::Rollout;
 use crate::terms::Neighbour;
 use crate::{Decision, FlockSettings, Obstacle, WeightKind, terms};
-use flight_model::{Setpoint, State, course_vector, wrap_pi};
+use flight_model::{Setpoint, State, Wind, course_vector, wrap_pi};
 use optimizer::selection::nearest_to_ideal;
 use optimizer::{Bounds, Optimizer, SettingsError, Stream, stream};
 use std::time::Duration;
@@ -26,11 +26,17 @@ pub struct Surroundings<'a> {
     pub margins_m: &'a [f64],
     /// The speeds to which Eq. 2 adds, m/s; empty: those of the states.
     pub reference_speeds_mps: &'a [f64],
+    /// The winds around the vehicles; empty: calm.
+    pub winds: &'a [Wind],
 }
 
 impl Surroundings<'_> {
     fn margin_m(&self, vehicle: usize) -> f64 {
         self.margins_m.get(vehicle).copied().unwrap_or(0.0)
+    }
+
+    fn wind(&self, vehicle: usize) -> Wind {
+        self.winds.get(vehicle).copied().unwrap_or(Wind::CALM)
     }
 }
 
@@ -42,7 +48,7 @@ pub struct Pilot {
     bounds: Vec<Bounds>,
     last_weights: Option<[f64; 3]>,
     /// Of the last command: the next one does not jump far from it.
-    last_course_rad: Option<f64>,
+    last_heading_rad: Option<f64>,
     sight: Sight,
     rollout: Box<Rollout>,
 }
@@ -54,6 +60,7 @@ struct Sight {
     found: Vec<(f64, u32)>,
     neighbours: Vec<Neighbour>,
     passages: Vec<Passage>,
+    wind: Wind,
     margin_m: f64,
     neighbour_margins_m: Vec<f64>,
     obstacles: Vec<Obstacle>,
@@ -75,7 +82,7 @@ impl Pilot {
             optimizer: settings.optimizer.build()?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
-            last_course_rad: None,
+            last_heading_rad: None,
             sight: Sight::default(),
             rollout: Box::new(Rollout::new()),
         })
@@ -108,26 +115,29 @@ impl Pilot {
         let sight = &self.sight;
         let speed_mps = around.reference_speeds_mps.get(vehicle).copied().unwrap_or(state.speed_mps);
         let own = State { speed_mps, ..state };
-        let setpoint =
-            command(law, expected, &self.commander, &own, &sight.neighbours, &sight.obstacles, choice.weights);
+        let flown = Flown { commander: &self.commander, state: &own, wind: &sight.wind };
+        let setpoint = command(law, expected, &flown, &sight.neighbours, &sight.obstacles, choice.weights);
         let setpoint = self.without_a_jump(&state, setpoint);
         Decision { setpoint, weights: choice.weights, feasible: choice.violation_m <= 0.0, solve }
     }
 
     /// The decision goes out: the next command does not jump far from it.
     pub fn commit(&mut self, decision: &Decision) {
-        self.last_course_rad = Some(decision.setpoint.course_rad);
+        self.last_heading_rad = Some(self.commander.in_air(&decision.setpoint, &self.sight.wind).course_rad);
     }
 
     /// The setpoint nearest to a wanted one that the vehicle can turn to after the last command.
     fn without_a_jump(&self, state: &State, wanted: Setpoint) -> Setpoint {
-        let [least_rad, most_rad] = self.commander.course_changes_rad(state, self.last_course_rad);
-        let change_rad = wrap_pi(wanted.course_rad - state.course_rad);
+        let (wind, air) = (&self.sight.wind, state.in_air(&self.sight.wind));
+        let wanted_in_air = self.commander.in_air(&wanted, wind);
+        let [least_rad, most_rad] = self.commander.course_changes_rad(&air, self.last_heading_rad);
+        let change_rad = wrap_pi(wanted_in_air.course_rad - air.course_rad);
         if (least_rad..=most_rad).contains(&change_rad) {
             return wanted;
         }
         let change_rad = if change_rad < least_rad { least_rad } else { most_rad };
-        Setpoint { course_rad: wrap_pi(state.course_rad + change_rad), ..wanted }
+        let nearest = Setpoint { course_rad: wrap_pi(air.course_rad + change_rad), ..wanted_in_air };
+        self.commander.over_ground(&nearest, wind)
     }
 
     /// Checks a decision again with the forecast of the commands that the other vehicles have been given; returns
@@ -151,18 +161,24 @@ impl Pilot {
     }
 
     fn evade(&mut self, settings: &FlockSettings, state: State, decision: Decision) -> Decision {
-        let present =
-            (self.commander.speed_mps(&decision.setpoint), wrap_pi(decision.setpoint.course_rad - state.course_rad));
-        let changes_rad = self.commander.course_changes_rad(&state, self.last_course_rad);
+        let (wind, air) = (self.sight.wind, state.in_air(&self.sight.wind));
+        let asked = self.commander.in_air(&decision.setpoint, &wind);
+        let by_law = (self.commander.speed_mps(&asked), wrap_pi(asked.course_rad - air.course_rad));
+        let asked = Asked {
+            by_law,
+            course_changes_rad: self.commander.course_changes_rad(&air, self.last_heading_rad),
+            turning_rad: self.last_heading_rad.map_or(0.0, |last_rad| wrap_pi(last_rad - air.course_rad)),
+            side_m: settings.side_m,
+        };
         let scene = self.sight.scene(settings, state);
-        let evasion =
-            evade(&self.look_ahead, &self.commander, &scene, decision.weights, present, changes_rad, &mut self.rollout);
-        if (evasion.speed_setpoint_mps, evasion.course_change_rad) == present {
+        let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, &asked, &mut self.rollout);
+        if (evasion.speed_setpoint_mps, evasion.course_change_rad) == by_law {
             return Decision { feasible: evasion.violation_m <= 0.0, ..decision };
         }
-        let course_rad = wrap_pi(state.course_rad + evasion.course_change_rad);
+        let course_rad = wrap_pi(air.course_rad + evasion.course_change_rad);
         let speed_mps = self.commander.asked_mps(evasion.speed_setpoint_mps);
         let setpoint = Setpoint { speed_mps, course_rad, ..decision.setpoint };
+        let setpoint = self.commander.over_ground(&setpoint, &wind);
         Decision { setpoint, feasible: evasion.violation_m <= 0.0, ..decision }
     }
 }
@@ -171,9 +187,10 @@ impl Sight {
     /// The input of the look-ahead.
     fn scene(&self, settings: &FlockSettings, state: State) -> Scene<'_> {
         let (law, position_m) = (&settings.controller.law, state.position_m());
-        let heading = course_vector(state.course_rad);
+        let heading = course_vector(state.in_air(&self.wind).course_rad);
         Scene {
             state,
+            wind: self.wind,
             expected: settings.expected,
             obstacles: &self.obstacles,
             close_obstacles: &self.close_obstacles,
@@ -205,6 +222,7 @@ impl Sight {
         self.neighbours.clear();
         self.neighbours.extend(self.found.iter().map(|&(_, index)| Neighbour::of(&around.states[index as usize])));
         self.foresee(around);
+        self.wind = around.wind(vehicle);
         self.margin_m = around.margin_m(vehicle);
         self.neighbour_margins_m.clear();
         self.neighbour_margins_m.extend(self.found.iter().map(|&(_, index)| around.margin_m(index as usize)));

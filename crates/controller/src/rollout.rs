@@ -12,7 +12,7 @@ use crate::forecast::Passage;
 use crate::polynomial::{ln, sincos};
 use crate::terms::half_angle;
 use crate::{Expected, LawSettings, Obstacle, ObstacleRule};
-use flight_model::State;
+use flight_model::{State, Wind};
 use nalgebra::Vector2;
 
 /// Pigeons that fly together; a larger generation flies in several batches.
@@ -78,9 +78,11 @@ pub struct Rollout {
     pub count: usize,
     x: Each,
     y: Each,
+    /// Through the air, and the heading.
     speed: Each,
     cos: Each,
     sin: Each,
+    /// Over ground.
     vx: Each,
     vy: Each,
     /// Where the last step began, and where it was half-way.
@@ -140,20 +142,21 @@ impl Rollout {
         }
     }
 
-    /// Puts `pigeons` vehicles at `state`, with no cost and no violation yet.
+    /// Puts `pigeons` vehicles at `state` in a wind, with no cost and no violation yet.
     #[inline(always)]
-    pub fn start(&mut self, state: &State, pigeons: usize) {
+    pub fn start(&mut self, state: &State, wind: &Wind, pigeons: usize) {
         self.count = pigeons.next_multiple_of(VECTOR).min(BATCH);
-        let (sin, cos) = libm::sincos(state.course_rad);
+        let air = state.in_air(wind);
+        let (sin, cos) = libm::sincos(air.course_rad);
         let count = self.count;
         for (quantity, value) in [
             (&mut self.x, state.x_m),
             (&mut self.y, state.y_m),
-            (&mut self.speed, state.speed_mps),
+            (&mut self.speed, air.speed_mps),
             (&mut self.cos, cos),
             (&mut self.sin, sin),
-            (&mut self.vx, state.speed_mps * cos),
-            (&mut self.vy, state.speed_mps * sin),
+            (&mut self.vx, air.speed_mps * cos + wind.north_mps),
+            (&mut self.vy, air.speed_mps * sin + wind.east_mps),
             (&mut self.cost_1, 0.0),
             (&mut self.cost_2, 0.0),
             (&mut self.violation_m, 0.0),
@@ -321,16 +324,19 @@ impl Rollout {
     pub fn advance(&mut self, step: &Step) {
         for i in 0..self.count.min(BATCH) {
             let (cos, sin, speed) = (self.cos[i], self.sin[i], self.speed[i]);
-            let (setpoint, change) = (self.speed_setpoint[i], self.course_change[i]);
-            let (turn_sin, turn_cos) = sincos(change * step.course_gain[0]);
-            let speed_1 = setpoint + (speed - setpoint) * step.speed_decay[0];
-            let vx_1 = speed_1 * (cos * turn_cos - sin * turn_sin);
-            let vy_1 = speed_1 * (sin * turn_cos + cos * turn_sin);
-            let (turn_sin, turn_cos) = sincos(change * step.course_gain[1]);
-            let speed_2 = setpoint + (speed - setpoint) * step.speed_decay[1];
+            let (setpoint, turn) = (self.speed_setpoint[i], self.course_change[i]);
+            let (turn_sin, turn_cos) = sincos(turn * step.course_gain[0]);
+            let change = step.acceleration_max_mps2 * step.period_s;
+            let free = setpoint + (speed - setpoint) * step.speed_decay[0];
+            let speed_1 = clamp(free, speed - 0.5 * change, speed + 0.5 * change);
+            let vx_1 = speed_1 * (cos * turn_cos - sin * turn_sin) + step.wind_mps.x;
+            let vy_1 = speed_1 * (sin * turn_cos + cos * turn_sin) + step.wind_mps.y;
+            let (turn_sin, turn_cos) = sincos(turn * step.course_gain[1]);
+            let free = setpoint + (speed - setpoint) * step.speed_decay[1];
+            let speed_2 = clamp(free, speed - change, speed + change);
             let cos_2 = cos * turn_cos - sin * turn_sin;
             let sin_2 = sin * turn_cos + cos * turn_sin;
-            let (vx_2, vy_2) = (speed_2 * cos_2, speed_2 * sin_2);
+            let (vx_2, vy_2) = (speed_2 * cos_2 + step.wind_mps.x, speed_2 * sin_2 + step.wind_mps.y);
             self.start_x[i] = self.x[i];
             self.start_y[i] = self.y[i];
             self.middle_x[i] = self.x[i] + step.period_s / 4.0 * (self.vx[i] + vx_1);
@@ -381,6 +387,10 @@ pub struct Step {
     /// exp(-h / tau_V) and 1 - exp(-h / tau_phi) over half a period and a whole one.
     pub speed_decay: [f64; 2],
     pub course_gain: [f64; 2],
+    /// Fastest change of speed; infinite where there is no such limit.
+    pub acceleration_max_mps2: f64,
+    /// Of the air over ground (north, east).
+    pub wind_mps: Vector2<f64>,
 }
 
 /// Shortfalls at the closest approach of two straight motions: two that cross are nearest between two samples. Of the

@@ -26,13 +26,14 @@ impl Airframe {
 
     /// The plane of ArduPilot's SITL with its default parameters: 10 to 30 m/s, cruise 22 m/s, banks of 65 degrees.
     ///
-    /// The time constants were fitted to the steps of an ArduPlane 4.7 in GUIDED (course 10 and 45 degrees, speed 2
-    /// m/s, altitude 10 m). What Eq. 1 does not show, its plant does: its speed loop overshoots, beyond 45 degrees it
-    /// turns twice as fast, and its climb rate builds up over seconds.
+    /// The constants are those that `columba identify` finds of an ArduPlane 4.7 in GUIDED at 684 m above sea level
+    /// (course steps up to 45 degrees, speed 2 and 5 m/s); those of altitude were fitted to steps of 10 m. What Eq. 1
+    /// does not show, its plant does: its speed loop overshoots, beyond 50 degrees it turns twice as fast, and its
+    /// climb rate builds up over seconds.
     pub fn plane() -> Self {
         Self {
             dynamics: Dynamics {
-                time_constants: TimeConstants { speed_s: 1.1, course_s: 3.2, altitude_a_s: 1.2, altitude_b_s: 2.8 },
+                time_constants: TimeConstants { speed_s: 1.1, course_s: 3.1, altitude_a_s: 1.2, altitude_b_s: 2.8 },
                 limits: Limits {
                     speed_min_mps: 10.0,
                     speed_max_mps: 30.0,
@@ -41,7 +42,15 @@ impl Airframe {
                     lateral_overload_max: overload_at_bank_deg(65.0),
                     gravity_mps2: GRAVITY_MPS2,
                 },
-                response: Response::default(),
+                response: Response {
+                    speed_gain: 1.066,
+                    speed_dead_time_s: 0.3,
+                    course_dead_time_s: 0.18,
+                    altitude_dead_time_s: 0.3,
+                    course_reference_speed_mps: Some(22.0),
+                    acceleration_max_mps2: 1.0,
+                    course_step_max_rad: 50_f64.to_radians(),
+                },
             },
             plant: Some(PlantSettings::plane()),
             cruise_speed_mps: 22.0,
@@ -65,7 +74,15 @@ impl Airframe {
                     lateral_overload_max: overload_at_bank_deg(50.0),
                     gravity_mps2: GRAVITY_MPS2,
                 },
-                response: Response::default(),
+                response: Response {
+                    speed_gain: 1.0,
+                    speed_dead_time_s: 0.2,
+                    course_dead_time_s: 0.25,
+                    altitude_dead_time_s: 0.2,
+                    course_reference_speed_mps: Some(15.0),
+                    acceleration_max_mps2: 2.5,
+                    course_step_max_rad: 50_f64.to_radians(),
+                },
             },
             plant: Some(PlantSettings::px4_plane()),
             cruise_speed_mps: 15.0,
@@ -106,7 +123,8 @@ mod tests {
     fn course(airframe: &Airframe, step_deg: f64, share: f64) -> f64 {
         let step_rad = step_deg.to_radians();
         let to = |start: &State| Setpoint { course_rad: step_rad, ..start.hold() };
-        time_to(airframe, share, to, |state| wrap_pi(state.course_rad) / step_rad)
+        let dead_time_s = airframe.dynamics.response.course_dead_time_s;
+        dead_time_s + time_to(airframe, share, to, |state| wrap_pi(state.course_rad) / step_rad)
     }
 
     fn altitude(airframe: &Airframe, step_m: f64, share: f64) -> f64 {

@@ -9,8 +9,8 @@ use crate::{Dynamics, Limits, Setpoint, State, course_vector, wrap_pi};
 /// step of h is of order h^5: below 1e-10 m at 10 ms). Where a limit acts the step is first order in the moment at
 /// which it begins to act.
 ///
-/// Of [`Response`](crate::Response) it flies the gain of speed and the growth of the course loop's time constant. Dead
-/// times are the caller's: a step knows only the setpoint that acts in it.
+/// Of [`Response`](crate::Response) it flies the gain of speed, the limit of acceleration, and the growth of the course
+/// loop's time constant. Dead times are the caller's: a step knows only the setpoint that acts in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Autopilot {
     dynamics: Dynamics,
@@ -77,10 +77,13 @@ impl Autopilot {
         } else {
             asked_mps
         };
-        self.speed_decay.map(|decay| {
-            let free = wanted_mps + (state.speed_mps - wanted_mps) * decay;
-            free.clamp(least_mps, most_mps)
-        })
+        let change_max_mps = self.dynamics.response.acceleration_max_mps2 * self.step_s;
+        [(self.speed_decay[0], 0.5 * change_max_mps), (self.speed_decay[1], change_max_mps)].map(
+            |(decay, change_mps)| {
+                let free = wanted_mps + (state.speed_mps - wanted_mps) * decay;
+                free.clamp(state.speed_mps - change_mps, state.speed_mps + change_mps).clamp(least_mps, most_mps)
+            },
+        )
     }
 
     /// Course at mid-step and at its end: first order towards the setpoint by the short way round, its rate at most
@@ -193,6 +196,21 @@ mod tests {
         assert!((states[100].course_rad - 0.5).abs() < 1e-9);
         let closed_form = 1.0 - 0.375 * libm::exp(-(3.0 - 1.25) / 0.75);
         assert!((states[300].course_rad - closed_form).abs() < 1e-9);
+    }
+
+    #[test]
+    fn speed_changes_no_faster_than_the_limit_of_acceleration() {
+        let mut dynamics = Dynamics::default();
+        dynamics.response.acceleration_max_mps2 = 0.8;
+        let autopilot = Autopilot::new(&dynamics, 0.01);
+        let setpoint = Setpoint { speed_mps: 14.0, ..cruise().hold() };
+        let states: Vec<State> =
+            std::iter::successors(Some(cruise()), |s| Some(autopilot.step(s, &setpoint))).take(801).collect();
+        // A ramp until 0.8 m/s are left of the step, then first order.
+        assert!((states[300].speed_mps - 12.4).abs() < 1e-9);
+        assert!((states[800].speed_mps - (14.0 - 0.8 * libm::exp(-4.0))).abs() < 1e-2);
+        let slower = autopilot.step(&cruise(), &Setpoint { speed_mps: 6.0, ..cruise().hold() });
+        assert!((slower.speed_mps - 9.992).abs() < 1e-9);
     }
 
     #[test]

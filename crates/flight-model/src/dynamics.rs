@@ -46,6 +46,10 @@ pub struct Response {
     /// The course loop's time constant is that of [`TimeConstants`] at this speed, m/s, and grows in proportion to
     /// speed; none: the same at every speed.
     pub course_reference_speed_mps: Option<f64>,
+    /// Fastest change of speed, m/s2; infinite: as fast as the speed loop asks for.
+    pub acceleration_max_mps2: f64,
+    /// Turns are Eq. 1 up to this course error, rad: a controller asks for no more at once.
+    pub course_step_max_rad: f64,
 }
 
 /// All that distinguishes one vehicle's dynamics from another's.
@@ -75,6 +79,8 @@ impl Default for Response {
             course_dead_time_s: 0.0,
             altitude_dead_time_s: 0.0,
             course_reference_speed_mps: None,
+            acceleration_max_mps2: f64::INFINITY,
+            course_step_max_rad: std::f64::consts::PI,
         }
     }
 }
@@ -124,6 +130,10 @@ impl Response {
         if let Some(speed_mps) = self.course_reference_speed_mps {
             ranges.within("course_reference_speed_mps", speed_mps, 0.1, 300.0);
         }
+        if self.acceleration_max_mps2.is_finite() {
+            ranges.within("acceleration_max_mps2", self.acceleration_max_mps2, 0.01, 1e3);
+        }
+        ranges.within("course_step_max_deg", self.course_step_max_rad.to_degrees(), 1.0, 180.0);
         ranges.errors()
     }
 }

@@ -1,6 +1,6 @@
 //! Wind: a steady wind, the wind triangle, and a step of the autopilots in moving air.
 
-use crate::{Autopilot, Setpoint, State, course_vector};
+use crate::{Autopilot, Setpoint, State, course_vector, wrap_pi};
 use nalgebra::Vector2;
 
 /// Velocity of the air over ground.
@@ -91,8 +91,26 @@ impl State {
     fn with_velocity(&self, velocity_mps: Vector2<f64>) -> State {
         let speed_mps = velocity_mps.norm();
         let course_rad =
-            if speed_mps > 0.0 { crate::wrap_pi(libm::atan2(velocity_mps.y, velocity_mps.x)) } else { self.course_rad };
+            if speed_mps > 0.0 { wrap_pi(libm::atan2(velocity_mps.y, velocity_mps.x)) } else { self.course_rad };
         State { speed_mps, course_rad, ..*self }
+    }
+}
+
+impl Setpoint {
+    /// The same as airspeed and heading instead of speed and course over ground: what an autopilot that holds those in
+    /// a steady wind settles on.
+    pub fn in_air(&self, wind: &Wind) -> Setpoint {
+        if wind.north_mps == 0.0 && wind.east_mps == 0.0 {
+            return *self;
+        }
+        let air_mps = course_vector(self.course_rad) * self.speed_mps - wind.horizontal_mps();
+        let course_rad = wrap_pi(libm::atan2(air_mps.y, air_mps.x));
+        Setpoint { speed_mps: air_mps.norm(), course_rad, ..*self }
+    }
+
+    /// The inverse of [`in_air`](Self::in_air).
+    pub fn over_ground(&self, wind: &Wind) -> Setpoint {
+        self.in_air(&Wind { north_mps: -wind.north_mps, east_mps: -wind.east_mps, up_mps: -wind.up_mps })
     }
 }
 
@@ -114,12 +132,24 @@ impl Autopilot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Dynamics, wrap_pi};
+    use crate::Dynamics;
     use proptest::prelude::*;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     fn cruise(course_rad: f64) -> State {
         State { altitude_m: 50.0, speed_mps: 10.0, course_rad, ..State::default() }
+    }
+
+    #[test]
+    fn a_setpoint_over_ground_is_one_in_the_air_and_back() {
+        let wind = Wind { north_mps: -3.0, east_mps: 4.0, up_mps: 0.0 };
+        let over_ground = Setpoint { speed_mps: 9.0, course_rad: 2.0, altitude_m: 50.0 };
+        let air = over_ground.in_air(&wind);
+        let there = course_vector(air.course_rad) * air.speed_mps + wind.horizontal_mps();
+        assert!((there - course_vector(2.0) * 9.0).norm() < 1e-12);
+        let back = air.over_ground(&wind);
+        assert!((back.speed_mps - 9.0).abs() < 1e-12 && (back.course_rad - 2.0).abs() < 1e-12);
+        assert_eq!(over_ground.in_air(&Wind::CALM), over_ground);
     }
 
     /// Flies a course over ground at an airspeed, with the heading of the triangle at each step.

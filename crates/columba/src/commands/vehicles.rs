@@ -86,8 +86,11 @@ fn with_planes(flags: &[Layer]) -> Vec<Layer> {
     let mut layers = Vec::new();
     let mut lay = |key: &str, toml: &str| layers.extend(Layer::of_flag("--airframe", key, toml).ok());
     if !is_paper {
-        // Scripts lean on how these have always flown: by Eq. 1, to the last bit.
-        lay("airframe", &format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\" }}"));
+        // Scripts lean on how these have always flown: by Eq. 1 as it is printed, to the last bit.
+        const AS_ALWAYS: &str = "speed_gain = 1.0, course_time_constant_s = 3.2, speed_dead_time_s = 0.0, \
+                                 course_dead_time_s = 0.0, altitude_dead_time_s = 0.0, \
+                                 course_reference_speed_mps = 0.0, acceleration_max_mps2 = 0.0";
+        lay("airframe", &format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\", {AS_ALWAYS} }}"));
         if !has_number {
             lay("vehicles.count", "vehicles.count = 5");
         }

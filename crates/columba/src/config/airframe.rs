@@ -1,6 +1,7 @@
 //! Airframes: what `[dynamics]` and the vehicles' cruise start from. One by its name, a file of one's own, or a table
 //! in the scenario.
 
+use super::file::or_infinite;
 use super::locate::line_at;
 use flight_model::{Airframe, Limits, PlantSettings, RangeError, Response, TimeConstants};
 use serde::de::value::MapAccessDeserializer;
@@ -43,6 +44,8 @@ pub struct AirframeTable {
     course_dead_time_s: Option<f64>,
     altitude_dead_time_s: Option<f64>,
     course_reference_speed_mps: Option<f64>,
+    acceleration_max_mps2: Option<f64>,
+    course_step_max_deg: Option<f64>,
     /// What a simulated vehicle flies; where left out, the plant of the base, unless a constant of Eq. 1 is given.
     flies: Option<Flies>,
     plant: Option<PlantTable>,
@@ -173,6 +176,10 @@ impl AirframeTable {
         if let Some(speed_mps) = self.course_reference_speed_mps {
             airframe.dynamics.response.course_reference_speed_mps = (speed_mps != 0.0).then_some(speed_mps);
         }
+        let response = &mut airframe.dynamics.response;
+        response.acceleration_max_mps2 = self.acceleration_max_mps2.map_or(response.acceleration_max_mps2, or_infinite);
+        response.course_step_max_rad =
+            self.course_step_max_deg.map_or(response.course_step_max_rad, |step_deg| step_deg.to_radians());
         airframe.plant = self.plant(base, airframe.plant)?;
         Ok(airframe)
     }
@@ -287,6 +294,8 @@ pub fn toml(airframe: &Airframe) -> String {
         course_dead_time_s,
         altitude_dead_time_s,
         course_reference_speed_mps,
+        acceleration_max_mps2,
+        course_step_max_rad,
     } = airframe.dynamics.response;
     let dynamics = [
         ("speed_time_constant_s", speed_s),
@@ -304,6 +313,8 @@ pub fn toml(airframe: &Airframe) -> String {
         ("course_dead_time_s", course_dead_time_s),
         ("altitude_dead_time_s", altitude_dead_time_s),
         ("course_reference_speed_mps", course_reference_speed_mps.unwrap_or(0.0)),
+        ("acceleration_max_mps2", Some(acceleration_max_mps2).filter(|limit| limit.is_finite()).unwrap_or(0.0)),
+        ("course_step_max_deg", course_step_max_rad.to_degrees()),
     ];
     let autopilot = [("cruise_speed_mps", airframe.cruise_speed_mps), ("loiter_radius_m", airframe.loiter_radius_m)];
     let lines = |table: &str, values: &[(&str, f64)]| {

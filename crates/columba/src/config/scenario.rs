@@ -163,21 +163,34 @@ impl Scenario {
         self.airframe_of(index).map_or(self.dynamics, |own| own.dynamics)
     }
 
+    /// The same where it is told speeds over ground: one with a plant finds the airspeed itself, and what its speed loop
+    /// settles on is the speed asked for.
+    pub fn dynamics_over_ground_of(&self, index: usize) -> Dynamics {
+        let mut dynamics = self.dynamics_of(index);
+        if self.plant_of(index).is_some() {
+            dynamics.response.speed_gain = 1.0;
+        }
+        dynamics
+    }
+
     /// How a simulated vehicle flies otherwise than by Eq. 1.
     pub fn plant_of(&self, index: usize) -> Option<PlantSettings> {
         self.airframe_of(index).map_or(self.plant, |own| own.plant)
     }
 
-    /// One for all, or one for each vehicle where some have their own.
-    fn flock_dynamics(&self) -> Vec<Dynamics> {
-        if self.airframes.is_empty() {
-            return vec![self.dynamics];
-        }
-        (0..self.starts.len()).map(|index| self.dynamics_of(index)).collect()
-    }
-
     /// The flock that flies it.
     pub fn flock_settings(&self) -> FlockSettings {
+        self.flock_settings_with(|index| self.dynamics_of(index))
+    }
+
+    /// The same where its vehicles are told speeds over ground.
+    pub fn flock_settings_over_ground(&self) -> FlockSettings {
+        self.flock_settings_with(|index| self.dynamics_over_ground_of(index))
+    }
+
+    /// One set of dynamics for all, or one for each vehicle where some have their own.
+    fn flock_settings_with(&self, dynamics_of: impl Fn(usize) -> Dynamics) -> FlockSettings {
+        let count = if self.airframes.is_empty() { 1 } else { self.starts.len() };
         FlockSettings {
             controller: self.controller.clone(),
             optimizer: self.optimizer,
@@ -185,7 +198,8 @@ impl Scenario {
             control_period_s: self.control_period.as_secs_f64(),
             expected: self.expected,
             obstacles: self.obstacles.clone(),
-            dynamics: self.flock_dynamics(),
+            dynamics: (0..count).map(dynamics_of).collect(),
+            side_m: 0.0,
         }
     }
 }

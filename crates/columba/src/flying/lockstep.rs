@@ -5,7 +5,7 @@
 //! the machine, can change a flight: it can only take longer.
 
 use super::vehicles::LOCKSTEP_EPOCH_US;
-use super::{Closed, FlightError, GroundStation, GroundTruth, Interval, World};
+use super::{Closed, FlightError, GroundStation, GroundTruth, Interval, Watch, World};
 use crate::config::Scenario;
 use controller::Decision;
 use flight_model::State;
@@ -23,6 +23,7 @@ pub struct Lockstep {
     /// Simulated time that all vehicles have reached.
     now: Duration,
     states: Vec<State>,
+    watch: Option<Watch>,
     /// The setpoint that each vehicle was sent last, to be sent again.
     datagrams: Vec<Vec<u8>>,
 }
@@ -31,7 +32,8 @@ impl Lockstep {
     /// The vehicles of a scenario as `ground` hears them.
     pub fn new(scenario: &Scenario, ground: GroundStation, ground_truth: GroundTruth) -> Self {
         let states = scenario.starts.clone();
-        Self { ground, ground_truth, now: Duration::ZERO, datagrams: vec![Vec::new(); states.len()], states }
+        let (watch, datagrams) = (Watch::without_a_link(scenario), vec![Vec::new(); states.len()]);
+        Self { ground, ground_truth, now: Duration::ZERO, states, watch, datagrams }
     }
 
     /// Waits until every vehicle has reached `time`; answers those that ask again meanwhile.
@@ -71,6 +73,10 @@ impl Lockstep {
         self.states.clear();
         self.states
             .extend(self.ground.fleet().vehicles().iter().filter_map(|vehicle| vehicle.position.map(|at| at.state)));
+        if let Some(watch) = &mut self.watch {
+            watch.hear_states(&self.states, time);
+            watch.look(time);
+        }
         Ok(())
     }
 }
@@ -93,9 +99,24 @@ impl World for Lockstep {
         &self.states
     }
 
+    fn tells_ground_speeds(&self) -> bool {
+        true
+    }
+
+    fn watch(&self) -> Option<&Watch> {
+        self.watch.as_ref()
+    }
+
     async fn send(&mut self, decisions: &[Decision]) -> Result<(), FlightError> {
+        if let Some(watch) = &mut self.watch {
+            watch.decided(self.now, self.now);
+        }
         for (vehicle, (decision, kept)) in decisions.iter().zip(&mut self.datagrams).enumerate() {
-            let setpoint = local_ned_setpoint(self.now, self.ground.target(vehicle), &decision.setpoint);
+            let setpoint = match &mut self.watch {
+                Some(watch) => watch.command(vehicle, decision, self.now),
+                None => decision.setpoint,
+            };
+            let setpoint = local_ned_setpoint(self.now, self.ground.target(vehicle), &setpoint);
             let datagram = self.ground.send(vehicle, &[setpoint], at_us(self.now)).await;
             kept.clear();
             kept.extend_from_slice(datagram);
@@ -107,6 +128,10 @@ impl World for Lockstep {
         let from = self.now;
         self.gather(until).await?;
         self.ground_truth.advance(from, until, &self.states);
+        let Interval { start, step, tracks } = self.ground_truth.interval();
+        if let Some(watch) = self.watch.as_mut().filter(|_| self.ground_truth.is_observed()) {
+            watch.compare(start, step, tracks);
+        }
         Ok(())
     }
 
@@ -115,7 +140,7 @@ impl World for Lockstep {
     }
 
     fn close(self) -> Closed {
-        self.ground.close()
+        Closed { present: self.watch.as_ref().map(Watch::figures).unwrap_or_default(), ..self.ground.close() }
     }
 }
 

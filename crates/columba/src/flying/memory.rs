@@ -2,7 +2,9 @@
 //!
 //! States and setpoints are rounded as the wire would round them, so that a flight has the same bits as in lockstep.
 
-use super::{Closed, FlightError, Interval, LOCKSTEP_EPOCH_US, Progress, Stop, World, fly, led_vehicle_settings};
+use super::{
+    Closed, FlightError, Interval, LOCKSTEP_EPOCH_US, Progress, Stop, Watch, World, fly, led_vehicle_settings,
+};
 use crate::config::Scenario;
 use crate::flight::Flight;
 use controller::Decision;
@@ -38,6 +40,7 @@ pub struct Memory {
     now: Duration,
     /// As the wire would tell them.
     states: Vec<State>,
+    watch: Option<Watch>,
     interval_start: Duration,
     step: Duration,
     tracks: Vec<Vec<State>>,
@@ -56,7 +59,15 @@ impl Memory {
         let states = vehicles.iter().map(|vehicle| wire_round(vehicle.state())).collect();
         let tracks = vec![Vec::new(); vehicles.len()];
         let step = scenario.integration_step;
-        Ok(Self { vehicles, now: Duration::ZERO, states, interval_start: Duration::ZERO, step, tracks })
+        let watch = Watch::without_a_link(scenario);
+        Ok(Self { vehicles, now: Duration::ZERO, states, watch, interval_start: Duration::ZERO, step, tracks })
+    }
+
+    fn look(&mut self) {
+        if let Some(watch) = &mut self.watch {
+            watch.hear_states(&self.states, self.now);
+            watch.look(self.now);
+        }
     }
 }
 
@@ -66,6 +77,7 @@ impl World for Memory {
     }
 
     async fn prepare(&mut self) -> Result<(), FlightError> {
+        self.look();
         Ok(())
     }
 
@@ -77,14 +89,29 @@ impl World for Memory {
         &self.states
     }
 
+    fn tells_ground_speeds(&self) -> bool {
+        true
+    }
+
+    fn watch(&self) -> Option<&Watch> {
+        self.watch.as_ref()
+    }
+
     fn starts(&self) -> Vec<State> {
         self.vehicles.iter().map(|vehicle| *vehicle.state()).collect()
     }
 
     async fn send(&mut self, decisions: &[Decision]) -> Result<(), FlightError> {
+        if let Some(watch) = &mut self.watch {
+            watch.decided(self.now, self.now);
+        }
         for (index, (vehicle, decision)) in self.vehicles.iter_mut().zip(decisions).enumerate() {
+            let setpoint = match &mut self.watch {
+                Some(watch) => watch.command(index, decision, self.now),
+                None => decision.setpoint,
+            };
             vehicle
-                .command(&wire_round_setpoint(&decision.setpoint))
+                .command(&wire_round_setpoint(&setpoint))
                 .map_err(|reason| FlightError::Setpoint { vehicle: index, reason: reason.to_string() })?;
         }
         Ok(())
@@ -98,6 +125,10 @@ impl World for Memory {
         }
         self.states.clear();
         self.states.extend(self.vehicles.iter().map(|vehicle| wire_round(vehicle.state())));
+        self.look();
+        if let Some(watch) = &mut self.watch {
+            watch.compare(self.interval_start, self.step, &self.tracks);
+        }
         Ok(())
     }
 
@@ -106,6 +137,6 @@ impl World for Memory {
     }
 
     fn close(self) -> Closed {
-        Closed::default()
+        Closed { present: self.watch.as_ref().map(Watch::figures).unwrap_or_default(), ..Closed::default() }
     }
 }

@@ -141,16 +141,12 @@ impl World for RealTime {
         self.watch.states()
     }
 
-    fn foreseen(&self) -> &[State] {
-        self.watch.foreseen()
+    fn tells_ground_speeds(&self) -> bool {
+        self.setpoints == SetpointDialect::LocalNed
     }
 
-    fn margins_m(&self) -> &[f64] {
-        self.watch.margins_m()
-    }
-
-    fn reference_speeds_mps(&self) -> &[f64] {
-        self.watch.reference_speeds_mps()
+    fn watch(&self) -> Option<&Watch> {
+        Some(&self.watch)
     }
 
     async fn send(&mut self, decisions: &[Decision]) -> Result<(), FlightError> {
@@ -169,10 +165,8 @@ impl World for RealTime {
     }
 
     async fn advance(&mut self, until: Duration) -> Result<(), FlightError> {
-        let sends = self.watch.sends_in_a_period();
-        for send in 1..sends {
-            let part = until.saturating_sub(self.now) / sends * send;
-            self.listen_until(self.now + part).await?;
+        for again in self.watch.sends_again(until.saturating_sub(self.now)) {
+            self.listen_until(self.now + again).await?;
             self.command().await;
         }
         self.listen_until(until).await?;

@@ -5,6 +5,7 @@ use super::{Closed, FlightError, Interval};
 use crate::config::Scenario;
 use crate::flight::{Flight, Row, Summary, Tick, Trajectory};
 use crate::judge::{Judge, Minima, Verdict};
+use crate::prediction::with_prediction;
 use controller::Decision;
 use flight_model::State;
 use std::time::{Duration, Instant};
@@ -114,7 +115,8 @@ impl Recorder {
             ..summary::judged(&verdict, summary::planned(scenario, transport))
         };
         let dynamics = scenario.flock_settings().dynamics;
-        Flight { summary, field: field(scenario), settings: settings(scenario), trajectory: self.trajectory, dynamics }
+        let (field, settings) = (field(scenario), settings(scenario));
+        with_prediction(Flight { summary, field, settings, trajectory: self.trajectory, dynamics })
     }
 
     fn keep(&mut self, at: Duration, states: &[State], decisions: &[Decision]) {

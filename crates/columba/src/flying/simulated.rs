@@ -187,16 +187,12 @@ impl World for Simulated {
         self.watch.states()
     }
 
-    fn foreseen(&self) -> &[State] {
-        self.watch.foreseen()
+    fn tells_ground_speeds(&self) -> bool {
+        self.setpoints == SetpointDialect::LocalNed
     }
 
-    fn margins_m(&self) -> &[f64] {
-        self.watch.margins_m()
-    }
-
-    fn reference_speeds_mps(&self) -> &[f64] {
-        self.watch.reference_speeds_mps()
+    fn watch(&self) -> Option<&Watch> {
+        Some(&self.watch)
     }
 
     fn starts(&self) -> Vec<State> {
@@ -214,9 +210,8 @@ impl World for Simulated {
     async fn advance(&mut self, until: Duration) -> Result<(), FlightError> {
         self.tracks.iter_mut().for_each(Vec::clear);
         self.interval_start = self.now;
-        let sends = self.watch.sends_in_a_period();
-        for send in 1..sends {
-            self.run_until(self.now + until.saturating_sub(self.now) / sends * send);
+        for again in self.watch.sends_again(until.saturating_sub(self.now)) {
+            self.run_until(self.now + again);
             self.command();
         }
         self.run_until(until);

@@ -1,11 +1,11 @@
-//! What the ground knows of vehicles that keep their own time: the delay of each link, where each vehicle is, and where
-//! it will be when a command that is sent now acts.
+//! What the ground knows of vehicles that keep their own time, or answer late: the delay of each link, where each
+//! vehicle is, and where it will be when a command that is sent now acts.
 //!
 //! Sans-I/O: messages and times go in, states come out. Times are flight time, which runs as fast as the vehicles do.
 
 use crate::config::{Scenario, SetpointDialect};
 use controller::{Decision, Present};
-use flight_model::{Setpoint, State};
+use flight_model::{Setpoint, State, Wind};
 use mavlink_bridge::dialect::{Message, TIMESYNC_DATA};
 use mavlink_bridge::link::VehicleClock;
 use mavlink_bridge::{Position, state_from_local_position};
@@ -21,10 +21,13 @@ const LEAD_MAX_S: f64 = 2.0;
 const FORESEEN_MAX: usize = 16;
 /// From this share of lost frames on commands are sent again within their period: once, and from the second on twice.
 const LOSS_SHARES: [f64; 2] = [0.02, 0.1];
+/// Again after this share of the period, and after twice as much.
+const AGAIN_SHARE: f64 = 0.1;
 
 /// The flock as the ground knows it.
 pub struct Watch {
     crafts: Vec<Craft>,
+    has_link: bool,
     period_s: f64,
     silence_s: f64,
     margin_sigmas: f64,
@@ -74,15 +77,36 @@ struct StateError {
 }
 
 impl Watch {
-    /// The vehicles of a scenario, of which nothing is heard yet.
+    /// The vehicles of a scenario behind a link, of which nothing is heard yet.
     pub fn new(scenario: &Scenario) -> Self {
-        let craft = |_: &State| {
-            let mut present = Present::new(&scenario.dynamics);
-            present.set_holds_ground_speed(scenario.link.setpoints == SetpointDialect::LocalNed);
+        let hold_ground_speed = scenario.link.setpoints == SetpointDialect::LocalNed;
+        Self::of(scenario, true, hold_ground_speed)
+    }
+
+    /// The vehicles of a scenario that are seen as they are and commanded at once, but answer after a dead time; none
+    /// where they answer at once.
+    pub fn without_a_link(scenario: &Scenario) -> Option<Self> {
+        let answers_late = |index| {
+            let response = scenario.dynamics_of(index).response;
+            response.course_dead_time_s.max(response.speed_dead_time_s).max(response.altitude_dead_time_s) > 0.0
+        };
+        (0..scenario.starts.len()).any(answers_late).then(|| Self::of(scenario, false, true))
+    }
+
+    fn of(scenario: &Scenario, has_link: bool, hold_ground_speed: bool) -> Self {
+        let craft = |index: usize| {
+            let mut present = Present::new(&if hold_ground_speed {
+                scenario.dynamics_over_ground_of(index)
+            } else {
+                scenario.dynamics_of(index)
+            });
+            present.set_holds_ground_speed(hold_ground_speed);
+            present.set_settles_slowly(!hold_ground_speed || scenario.plant_of(index).is_some());
             Craft { clock: VehicleClock::default(), present, ages_s: [0.0; 2], std_m: 0.0 }
         };
         Self {
-            crafts: scenario.starts.iter().map(craft).collect(),
+            crafts: (0..scenario.starts.len()).map(craft).collect(),
+            has_link,
             period_s: scenario.control_period.as_secs_f64(),
             silence_s: scenario.ground.silence_s,
             margin_sigmas: scenario.controller.look_ahead.margin_sigmas,
@@ -95,6 +119,13 @@ impl Watch {
             error: StateError::default(),
             last_flown: scenario.starts.clone(),
             frames: [0; 2],
+        }
+    }
+
+    /// Takes the states of all vehicles, which are behind no link, at flight time `now`.
+    pub fn hear_states(&mut self, states: &[State], now: Duration) {
+        for (craft, state) in self.crafts.iter_mut().zip(states) {
+            craft.present.hear(now.as_secs_f64(), state);
         }
     }
 
@@ -143,11 +174,13 @@ impl Watch {
         self.frames = [came, lost];
     }
 
-    /// How often commands go out in a control period: more than once where the link loses some.
-    pub fn sends_in_a_period(&self) -> u32 {
+    /// After which times commands go out again in a control period: none where the link loses hardly any. Soon: what
+    /// comes late is flown late.
+    pub fn sends_again(&self, period: Duration) -> impl Iterator<Item = Duration> + use<> {
         let [came, lost] = self.frames.map(|frames| frames as f64);
         let share = lost / (came + lost).max(1.0);
-        1 + LOSS_SHARES.iter().filter(|least| share > **least).count() as u32
+        let times = LOSS_SHARES.iter().filter(|least| share > **least).count() as u32;
+        (1..=times).map(move |time| period.mul_f64(AGAIN_SHARE) * time)
     }
 
     /// Looks at all vehicles at flight time `now`: where they are, and where they will be when commands act.
@@ -172,7 +205,7 @@ impl Watch {
             }
         }
         // Before the first round trip nobody knows how old anything is: that is told, and no state of the flight's.
-        if self.crafts.iter().all(|craft| craft.clock.delay_s().is_some()) {
+        if !self.has_link || self.crafts.iter().all(|craft| craft.clock.delay_s().is_some()) {
             self.pending.push_back((acts_s, self.foreseen.clone()));
         } else {
             self.timing.without_delay += 1;
@@ -200,6 +233,11 @@ impl Watch {
     /// The speeds to which Eq. 2 adds, m/s.
     pub fn reference_speeds_mps(&self) -> &[f64] {
         &self.reference_speeds_mps
+    }
+
+    /// The winds around the vehicles, as far as they are known.
+    pub fn winds(&self) -> impl Iterator<Item = Wind> {
+        self.crafts.iter().map(|craft| craft.present.wind())
     }
 
     /// The commands of a tick go out at flight time `now`; they were due at `due`. Says by how much they are late, s,

@@ -2,7 +2,7 @@
 //!
 //! A [`World`] holds the vehicles and the clock: in memory, over a link in simulated time, or over a link in real time.
 
-use super::{FlightError, Log, Progress, Recorder, Stop, stopped};
+use super::{FlightError, Log, Progress, Recorder, Stop, Watch, stopped};
 use crate::config::Scenario;
 use crate::flight::Flight;
 use controller::{Decision, Flock};
@@ -30,20 +30,14 @@ pub trait World {
     /// The states of all vehicles as the controller knows them; the planned starts before the first are known.
     fn states(&self) -> &[State];
 
-    /// The states from which the next decisions are made: those at the moment at which they will act.
-    fn foreseen(&self) -> &[State] {
-        self.states()
+    /// What the ground knows of vehicles that do not act at once, because they are behind a link, or slow to answer; none:
+    /// [`states`](Self::states) are where its commands act.
+    fn watch(&self) -> Option<&Watch> {
+        None
     }
 
-    /// How far off these may be, m, one for each vehicle; empty: they are exact.
-    fn margins_m(&self) -> &[f64] {
-        &[]
-    }
-
-    /// The speeds to which Eq. 2 adds, m/s, one for each vehicle; empty: those of these states.
-    fn reference_speeds_mps(&self) -> &[f64] {
-        &[]
-    }
+    /// Whether vehicles are told speeds over ground, and not through the air.
+    fn tells_ground_speeds(&self) -> bool;
 
     /// The states at time zero by which the flight is judged: those that the controller knows, unless better ones
     /// exist.
@@ -102,7 +96,10 @@ pub async fn fly<W: World>(
     progress: &Progress,
     mut stop: Stop,
 ) -> anyhow::Result<(Flight, Option<Log>)> {
-    let mut flock = Flock::new(scenario.flock_settings(), scenario.starts.len())?;
+    let over_ground = world.tells_ground_speeds();
+    let settings = if over_ground { scenario.flock_settings_over_ground() } else { scenario.flock_settings() };
+    let settings = if world.watch().is_some() { settings.behind_a_link() } else { settings };
+    let mut flock = Flock::new(settings, scenario.starts.len())?;
     let prepared = unless_stopped(&mut stop, world.prepare()).await;
     tracing::debug!(
         transport = world.transport(),
@@ -116,9 +113,16 @@ pub async fn fly<W: World>(
     let flown = async {
         prepared?;
         for tick in 0..scenario.ticks() {
-            flock.set_margins(world.margins_m());
-            flock.set_reference_speeds(world.reference_speeds_mps());
-            let decisions = flock.tick(tick, world.foreseen(), &clock);
+            let states = match world.watch() {
+                Some(watch) => {
+                    flock.set_margins(watch.margins_m());
+                    flock.set_reference_speeds(watch.reference_speeds_mps());
+                    flock.set_winds(watch.winds());
+                    watch.foreseen()
+                }
+                None => world.states(),
+            };
+            let decisions = flock.tick(tick, states, &clock);
             recorder.tick(world.now(), world.states(), decisions);
             unless_stopped(&mut stop, world.send(decisions)).await?;
             progress.decided(world.now(), world.states(), decisions, &recorder);

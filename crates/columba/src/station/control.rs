@@ -48,7 +48,7 @@ impl Station {
             return;
         }
         let Some(messages) = self.encode(index, setpoint, now) else { return };
-        let (asked_mps, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
+        let (asked_mps, airspeed_mps) = self.speeds_to_send_mps(index, setpoint);
         if (asked_mps - airspeed_mps).abs() > SPEED_OUTSIDE_MPS {
             let text = format!(
                 "is asked for {airspeed_mps:.1} m/s of airspeed instead of {asked_mps:.1}: its own limits are narrower \

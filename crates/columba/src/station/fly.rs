@@ -11,8 +11,8 @@ use crate::flight::{Row, Tick, Trajectory};
 use crate::flying::Solves;
 use crate::identify::flight::StepFlight;
 use controller::{Decision, Flock, FlockSettings, Obstacle};
-use flight_model::{Dynamics, Setpoint, State};
-use mavlink_bridge::kind::{AtEnd, AutopilotKind};
+use flight_model::{Setpoint, State, Wind};
+use mavlink_bridge::kind::AtEnd;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -69,7 +69,8 @@ impl Fly {
     pub(super) fn new(station: &mut Station, now: Duration) -> Result<Self, String> {
         let scenario = &station.scenario;
         // The settings are tried once, so that a mistake in them is told before the first tick.
-        Flock::new(settings(station), scenario.starts.len()).map_err(|error| error.to_string())?;
+        let crew: Vec<usize> = station.crew().collect();
+        Flock::new(settings(station, &crew), crew.len()).map_err(|error| error.to_string())?;
         let judge = TrackJudge::new(
             scenario.starts.len(),
             &scenario.obstacles,
@@ -78,14 +79,6 @@ impl Fly {
             now.as_secs_f64(),
         );
         let trajectory = Trajectory::new(scenario.starts.len());
-        let dynamics = settings(station);
-        for index in station.crew() {
-            let vehicle = &mut station.vehicles[index];
-            let kind = vehicle.driver().map(|driver| driver.kind());
-            let is_plane = matches!(kind, Some(AutopilotKind::ArduPlane | AutopilotKind::Px4FixedWing));
-            vehicle.present.set_dynamics(&dynamics.dynamics_of(index));
-            vehicle.present.set_holds_ground_speed(!is_plane);
-        }
         station.told.flight_began_s = Some(now.as_secs_f64());
         station.told.tell(now.as_secs_f64(), None, Weight::Note, "the flock flies");
         Ok(Self {
@@ -196,16 +189,17 @@ impl Fly {
             })
             .collect();
         if members != self.members || self.flock.is_none() {
-            self.flock = Flock::new(settings(station), members.len()).ok();
+            self.flock = Flock::new(settings(station, &members), members.len()).ok();
             self.members = members;
         }
-        let Foreseen { states, margins_m, reference_speeds_mps } = foresee(station, &self.members, now);
+        let Foreseen { states, margins_m, reference_speeds_mps, winds } = foresee(station, &self.members, now);
         let mut obstacles = station.obstacles();
         obstacles.extend(others(station, &self.members, now));
         let Some(flock) = &mut self.flock else { return };
         flock.set_obstacles(obstacles);
         flock.set_margins(&margins_m);
         flock.set_reference_speeds(&reference_speeds_mps);
+        flock.set_winds(winds);
         let decisions: Vec<Decision> = match (&mut self.steps, states.first()) {
             (Some(steps), Some(first)) => {
                 let setpoint = steps.setpoint(now.saturating_sub(self.began).as_secs_f64(), first);
@@ -384,11 +378,10 @@ impl Fly {
     }
 }
 
-/// What the flock is to know, with the limits that the vehicles allow.
-fn settings(station: &Station) -> FlockSettings {
-    let settings = station.scenario.flock_settings();
-    let limited = |dynamics: &Dynamics| Dynamics { limits: station.limits, ..*dynamics };
-    FlockSettings { dynamics: settings.dynamics.iter().map(limited).collect(), ..settings }
+/// What a flock of these members is to know: each flies by its own model, within its own limits.
+fn settings(station: &Station, members: &[usize]) -> FlockSettings {
+    let dynamics = members.iter().map(|&index| *station.vehicles[index].present.dynamics()).collect();
+    FlockSettings { dynamics, ..station.scenario.flock_settings() }.behind_a_link()
 }
 
 /// Where the members will be when commands that are sent now act.
@@ -399,6 +392,7 @@ struct Foreseen {
     margins_m: Vec<f64>,
     /// The speeds to which Eq. 2 adds, m/s.
     reference_speeds_mps: Vec<f64>,
+    winds: Vec<Wind>,
 }
 
 fn foresee(station: &mut Station, members: &[usize], now: Duration) -> Foreseen {
@@ -413,6 +407,7 @@ fn foresee(station: &mut Station, members: &[usize], now: Duration) -> Foreseen 
             foreseen.states.push(estimate.state);
             foreseen.margins_m.push(sigmas * estimate.position_std_after_m(period_s));
             foreseen.reference_speeds_mps.push(estimate.reference_speed_mps);
+            foreseen.winds.push(station.vehicles[index].present.wind());
         }
     }
     foreseen

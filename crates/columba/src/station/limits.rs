@@ -3,6 +3,7 @@
 use super::vehicle::Vehicle;
 use controller::Expected;
 use flight_model::Limits;
+use mavlink_bridge::kind::VehicleLimits;
 
 /// Gravity, m/s2: how a bank is an acceleration.
 const GRAVITY_MPS2: f64 = 9.81;
@@ -16,7 +17,7 @@ pub struct Compared {
     pub notes: Vec<String>,
 }
 
-/// Compares, and narrows the model's limits to what every vehicle allows, so that the look-ahead plans no turn and no
+/// Compares, and narrows the flock's limits to what every vehicle allows, so that the look-ahead plans no turn and no
 /// climb that a vehicle cannot fly.
 pub fn compare(expected: &Expected, limits: &mut Limits, vehicles: &[Vehicle]) -> Compared {
     let mut compared = Compared::default();
@@ -35,22 +36,7 @@ pub fn compare(expected: &Expected, limits: &mut Limits, vehicles: &[Vehicle]) -
             (None, None) => compared.notes.push(format!("vehicle {number}: its limits are not known")),
             _ => {}
         }
-        if let Some(least) = own.speed_min_mps {
-            limits.speed_min_mps = limits.speed_min_mps.max(least.min(speed_mps));
-        }
-        if let Some(greatest) = own.speed_max_mps {
-            limits.speed_max_mps = limits.speed_max_mps.min(greatest.max(speed_mps));
-        }
-        if let Some(bank_rad) = own.bank_max_rad.filter(|bank_rad| (0.01..1.55).contains(bank_rad)) {
-            let overload = GRAVITY_MPS2 * libm::tan(bank_rad) / limits.gravity_mps2;
-            limits.lateral_overload_max = limits.lateral_overload_max.min(overload);
-        }
-        if let Some(climb_mps) = own.climb_max_mps.filter(|climb_mps| *climb_mps > 0.1) {
-            limits.climb_max_mps = limits.climb_max_mps.min(climb_mps);
-        }
-        if let Some(sink_mps) = own.sink_max_mps.filter(|sink_mps| *sink_mps > 0.1) {
-            limits.climb_min_mps = limits.climb_min_mps.max(-sink_mps);
-        }
+        narrow(limits, &own, speed_mps);
     }
     for (name, before, after) in [
         ("least speed", asked.speed_min_mps, limits.speed_min_mps),
@@ -68,10 +54,29 @@ pub fn compare(expected: &Expected, limits: &mut Limits, vehicles: &[Vehicle]) -
     compared
 }
 
+/// Narrows limits to those that a vehicle's own parameters set; the expected speed stays within them.
+pub fn narrow(limits: &mut Limits, own: &VehicleLimits, speed_mps: f64) {
+    if let Some(least) = own.speed_min_mps {
+        limits.speed_min_mps = limits.speed_min_mps.max(least.min(speed_mps));
+    }
+    if let Some(greatest) = own.speed_max_mps {
+        limits.speed_max_mps = limits.speed_max_mps.min(greatest.max(speed_mps));
+    }
+    if let Some(bank_rad) = own.bank_max_rad.filter(|bank_rad| (0.01..1.55).contains(bank_rad)) {
+        let overload = GRAVITY_MPS2 * libm::tan(bank_rad) / limits.gravity_mps2;
+        limits.lateral_overload_max = limits.lateral_overload_max.min(overload);
+    }
+    if let Some(climb_mps) = own.climb_max_mps.filter(|climb_mps| *climb_mps > 0.1) {
+        limits.climb_max_mps = limits.climb_max_mps.min(climb_mps);
+    }
+    if let Some(sink_mps) = own.sink_max_mps.filter(|sink_mps| *sink_mps > 0.1) {
+        limits.climb_min_mps = limits.climb_min_mps.max(-sink_mps);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink_bridge::kind::VehicleLimits;
 
     fn plane(bank_deg: f64) -> Vehicle {
         let mut vehicle = Vehicle::new(1, 1);

@@ -102,7 +102,7 @@ pub struct Station {
     pub settings: Settings,
     /// The scenario's frame, where the vehicles are.
     pub frame: LocalFrame,
-    /// The model's limits, narrowed to what the vehicles allow.
+    /// Limits within which the whole flock flies, narrowed to what every vehicle allows.
     pub limits: Limits,
     /// The scenario's vehicles in their order, then strangers.
     pub vehicles: Vec<Vehicle>,
@@ -478,11 +478,10 @@ impl Station {
         (age_s <= STALE_S).then_some(state)
     }
 
-    /// The airspeed that a speed over ground needs, with wind and thin air, and the nearest one that the vehicle takes,
-    /// m/s.
-    fn airspeeds_mps(&self, index: usize, speed_mps: f64) -> (f64, f64) {
-        let Some(vehicle) = self.vehicles.get(index) else { return (speed_mps, speed_mps) };
-        let asked_mps = speed_mps + vehicle.airspeed_excess_mps;
+    /// The speed to be sent for a setpoint, with wind and thin air, and the nearest one that the vehicle takes, m/s.
+    fn speeds_to_send_mps(&self, index: usize, setpoint: &Setpoint) -> (f64, f64) {
+        let Some(vehicle) = self.vehicles.get(index) else { return (setpoint.speed_mps, setpoint.speed_mps) };
+        let asked_mps = vehicle.present.speed_to_send_mps(setpoint);
         let limits = vehicle.limits.unwrap_or_default();
         match (limits.speed_min_mps, limits.speed_max_mps) {
             (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
@@ -495,14 +494,13 @@ impl Station {
     /// The messages that ask a vehicle for a setpoint, by its kind's encoder.
     pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
         let vehicle = self.vehicles.get(index)?;
-        let setpoint = &Setpoint { speed_mps: setpoint.speed_mps - vehicle.present.speed_bias_mps(), ..*setpoint };
-        let (_, airspeed_mps) = self.airspeeds_mps(index, setpoint.speed_mps);
+        let (_, speed_mps) = self.speeds_to_send_mps(index, setpoint);
         let situation = Situation {
             state: self.state_now(index, now)?,
             frame: &self.frame,
             local_origin_amsl_m: vehicle.local_origin_amsl_m,
-            limits: &self.limits,
-            airspeed_excess_mps: airspeed_mps - setpoint.speed_mps,
+            limits: &vehicle.present.dynamics().limits,
+            airspeed_excess_mps: speed_mps - setpoint.speed_mps,
             now,
         };
         match vehicle.driver()?.setpoint(vehicle.target, setpoint, &situation) {

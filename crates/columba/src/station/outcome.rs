@@ -5,6 +5,7 @@ use super::{Station, number};
 use crate::flight::{Flight, Row, Summary, Tick, Trajectory};
 use crate::flying::{self, Solves, field, judged, settings};
 use crate::judge::Verdict;
+use crate::prediction::with_prediction;
 use flight_model::{Setpoint, State};
 use serde_json::json;
 use std::time::Duration;
@@ -66,7 +67,7 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
         ..judged(&verdict, planned(&station))
     };
     let dynamics = scenario.flock_settings().dynamics;
-    Flight { field: field(scenario), settings: settings(scenario), summary, trajectory, dynamics }
+    with_prediction(Flight { field: field(scenario), settings: settings(scenario), summary, trajectory, dynamics })
 }
 
 /// What is known of a flight before it: the header of its journal.
@@ -107,7 +108,8 @@ fn vehicles(station: &Station, unseen: &[f64]) -> Vec<serde_json::Value> {
             "delay_ms": delay_s.map(|delay_s| delay_s * 1e3),
             "jitter_ms": vehicle.clock.jitter_s().map(|jitter_s| jitter_s * 1e3),
             "clock_drift": vehicle.clock.drift(),
-            "airspeed_excess_mps": vehicle.airspeed_excess_mps,
+            "wind_north_mps": vehicle.present.wind_mps().map(|wind| wind.x),
+            "wind_east_mps": vehicle.present.wind_mps().map(|wind| wind.y),
             "battery_percent": vehicle.battery_percent,
             "frames": vehicle.frames[1],
             "frames_lost": vehicle.frames[0],

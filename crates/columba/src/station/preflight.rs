@@ -92,6 +92,10 @@ impl Preflight {
         let mut limits = station.scenario.dynamics.limits;
         let compared = limits::compare(&station.scenario.expected, &mut limits, &station.vehicles);
         station.limits = limits;
+        for index in station.crew() {
+            let dynamics = station.scenario.dynamics_of(index);
+            station.vehicles[index].flies_by(dynamics, station.scenario.expected.speed_mps);
+        }
         faults.extend(compared.faults);
         for note in compared.notes {
             station.told.once(now.as_secs_f64(), None, &note.clone(), Weight::Note, note);

@@ -21,6 +21,7 @@ const CAPACITY_SHARE: f64 = 0.7;
 
 const HEARTBEAT: u32 = 0;
 const SYS_STATUS: u32 = 1;
+const ATTITUDE: u32 = 30;
 const LOCAL_POSITION_NED: u32 = 32;
 const GLOBAL_POSITION_INT: u32 = 33;
 const GPS_GLOBAL_ORIGIN: u32 = 49;
@@ -73,6 +74,10 @@ pub fn ask(vehicle: &mut Vehicle, position_hz: f64, is_slow: bool, now: Duration
     // What is good to have is asked for three times; an autopilot that does not have it has said so.
     if times < 3 {
         wanted.extend(streams(kind).into_iter().map(|(id, hz)| set_message_interval(target, id, hz)));
+        // Headings tell the wind and the turns between positions; on a slow line positions are worth more.
+        if !is_slow && !kind.hovers() {
+            wanted.push(set_message_interval(target, ATTITUDE, position_hz));
+        }
     }
     if is_slow {
         wanted.extend(silence(vehicle, kind));
@@ -172,7 +177,6 @@ mod tests {
 
     #[test]
     fn on_a_slow_line_what_comes_and_is_not_needed_is_silenced_a_few_times() {
-        const ATTITUDE: u32 = 30;
         let mut vehicle = Vehicle::new(1, 1);
         let mut sent = 0;
         for _ in 0..100 {

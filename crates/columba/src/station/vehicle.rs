@@ -1,5 +1,6 @@
 //! One autopilot as the station hears it.
 
+use super::limits::narrow;
 use super::telemetry::Stream;
 use super::track::{Sample, Track};
 use controller::Present;
@@ -63,8 +64,6 @@ pub struct Order {
 
 /// An order to hold has reached the vehicle, or never will, after this.
 const HOLD_SETTLES: Duration = Duration::from_secs(1);
-/// Speed of the slow estimate of wind along the way, s.
-const AIRSPEED_TIME_CONSTANT_S: f64 = 8.0;
 /// So many ways to a vehicle are remembered: addresses are easily forged, and each is spoken to.
 const ROUTES_MAX: usize = 16;
 /// Words of a vehicle are remembered for so long.
@@ -116,9 +115,6 @@ pub struct Vehicle {
     global_came: Option<(Route, Duration)>,
     /// The last GLOBAL_POSITION_INT, before it is brought into a frame.
     pub global: Option<GLOBAL_POSITION_INT_DATA>,
-    /// Airspeed less ground speed, slowly, m/s.
-    pub airspeed_excess_mps: f64,
-    airspeed_heard: Option<Duration>,
     /// Battery, percent.
     pub battery_percent: Option<i8>,
     /// Whether its pre-arm checks pass, where it tells.
@@ -183,8 +179,6 @@ impl Vehicle {
             local: None,
             global_came: None,
             global: None,
-            airspeed_excess_mps: 0.0,
-            airspeed_heard: None,
             battery_percent: None,
             prearm_ok: None,
             texts: VecDeque::new(),
@@ -205,6 +199,18 @@ impl Vehicle {
             is_doubled: false,
             frames: [0; 2],
         }
+    }
+
+    /// How the controller reckons that it flies: a model, within the vehicle's own limits.
+    pub fn flies_by(&mut self, mut dynamics: Dynamics, expected_speed_mps: f64) {
+        if let Some(own) = &self.limits {
+            narrow(&mut dynamics.limits, own, expected_speed_mps);
+        }
+        let kind = self.driver().map(Driver::kind);
+        let is_plane = matches!(kind, Some(AutopilotKind::ArduPlane | AutopilotKind::Px4FixedWing));
+        self.present.set_dynamics(&dynamics);
+        self.present.set_holds_ground_speed(!is_plane);
+        self.present.set_settles_slowly(is_plane);
     }
 
     /// Its system id.
@@ -352,7 +358,7 @@ impl Vehicle {
             Message::SYS_STATUS(data) => self.hear_status(data),
             Message::HOME_POSITION(data) => self.home = Some(home(data)),
             Message::GPS_GLOBAL_ORIGIN(data) => self.origin = Some(origin(data)),
-            Message::VFR_HUD(data) => self.hear_airspeed(f64::from(data.airspeed) - f64::from(data.groundspeed), now),
+            Message::VFR_HUD(data) => self.hear_airspeed(f64::from(data.airspeed), now),
             Message::STATUSTEXT(data) => self.hear_text(data, now),
             Message::PARAM_VALUE(data) => self.hear_parameter(data),
             Message::COMMAND_ACK(data) => self.hear_answer(data),
@@ -451,18 +457,11 @@ impl Vehicle {
         }
     }
 
-    fn hear_airspeed(&mut self, excess_mps: f64, now: Duration) {
-        let flies = self.track.last().is_some_and(|sample| sample.state.speed_mps > 3.0);
-        if !flies || !excess_mps.is_finite() {
-            self.airspeed_heard = None;
-            return;
+    /// On the ground there is no airspeed, and a sensor tells its noise.
+    fn hear_airspeed(&mut self, airspeed_mps: f64, now: Duration) {
+        if self.track.last().is_some_and(|sample| sample.state.speed_mps > 3.0) {
+            self.present.hear_airspeed(now.as_secs_f64(), airspeed_mps);
         }
-        let share = match self.airspeed_heard {
-            Some(heard) => (now.saturating_sub(heard).as_secs_f64() / AIRSPEED_TIME_CONSTANT_S).min(1.0),
-            None => 1.0,
-        };
-        self.airspeed_heard = Some(now);
-        self.airspeed_excess_mps += share * (excess_mps - self.airspeed_excess_mps);
     }
 
     fn hear_text(&mut self, data: &STATUSTEXT_DATA, now: Duration) {

@@ -11,7 +11,7 @@ use crate::command::Commander;
 use crate::forecast::Passage;
 use crate::rollout::{BATCH, Each, Extent, Rollout, Step};
 use crate::{Expected, LawSettings, LookAheadSettings, Obstacle, ObstacleRule, WeightKind};
-use flight_model::{Dynamics, State};
+use flight_model::{Dynamics, State, Wind};
 use multiversion::multiversion;
 use optimizer::{Bounds, Candidates, Evaluations, Problem};
 
@@ -40,6 +40,8 @@ pub struct Commands {
 pub struct Scene<'a> {
     /// The vehicle now.
     pub state: State,
+    /// The wind around it.
+    pub wind: Wind,
     /// What the flock is to do.
     pub expected: Expected,
     /// The obstacles that can steer within the horizon.
@@ -79,20 +81,21 @@ impl LookAhead {
                 period_s,
                 speed_decay: decays(period_s, tau.speed_s),
                 course_gain: decays(period_s, tau.course_s).map(|decay| 1.0 - decay),
+                acceleration_max_mps2: dynamics.response.acceleration_max_mps2,
+                wind_mps: Wind::CALM.horizontal_mps(),
             },
             growing: dynamics.response.course_reference_speed_mps.map(|_| *dynamics),
         }
     }
 
-    /// One control period of the vehicle model from a speed: over a look-ahead it changes little.
-    fn step_from(&self, speed_mps: f64) -> Step {
-        match &self.growing {
-            None => self.step,
-            Some(dynamics) => {
-                let tau_s = dynamics.course_time_constant_s(speed_mps);
-                Step { course_gain: decays(self.step.period_s, tau_s).map(|decay| 1.0 - decay), ..self.step }
-            }
+    /// One control period of the vehicle model from an airspeed: over a look-ahead that changes little.
+    fn step_from(&self, airspeed_mps: f64, wind: &Wind) -> Step {
+        let mut step = Step { wind_mps: wind.horizontal_mps(), ..self.step };
+        if let Some(dynamics) = &self.growing {
+            let tau_s = dynamics.course_time_constant_s(airspeed_mps);
+            step.course_gain = decays(step.period_s, tau_s).map(|decay| 1.0 - decay);
         }
+        step
     }
 
     /// Flies `pigeons` commands through the scene, the law with the same weights for all after the first period, and
@@ -122,8 +125,8 @@ impl LookAhead {
         let law = &self.law;
         let expected = &scene.expected;
         let ahead = expected.direction();
-        rollout.start(&scene.state, pigeons);
-        let vehicle = self.step_from(scene.state.speed_mps);
+        rollout.start(&scene.state, &scene.wind, pigeons);
+        let vehicle = self.step_from(scene.state.in_air(&scene.wind).speed_mps, &scene.wind);
         let mut here = rollout.extent();
         for k in 0..=self.steps {
             rollout.clear_terms();

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::closest_approach::closest_approach_m;
-use crate::law::command;
+use crate::law::{Flown, command};
 use crate::terms::Neighbour;
 use crate::{AltitudeLaw, terms};
 use flight_model::{Autopilot, course_vector};
@@ -42,9 +42,11 @@ fn plain(law: &LawSettings, settings: &LookAheadSettings, scene: &Scene<'_>, wei
                 Neighbour { position_m: there.position_m(), velocity_mps: Vector2::new(there.vx_mps, there.vy_mps) }
             })
             .collect();
-        let setpoint = command(law, &scene.expected, &commander, &state, &near, scene.obstacles, weights);
+        let wind = &scene.wind;
+        let flown = Flown { commander: &commander, state: &state, wind };
+        let setpoint = command(law, &scene.expected, &flown, &near, scene.obstacles, weights).in_air(wind);
         // The batch samples the middle by the trapezium of velocities.
-        let (middle, end) = (half.step(&state, &setpoint), autopilot.step(&state, &setpoint));
+        let [middle, end] = [half, autopilot].map(|autopilot| autopilot.step_in_wind(&state, &setpoint, wind));
         let from_m = state.position_m();
         let middle_m = from_m + (state.velocity_mps() + middle.velocity_mps()) * PERIOD_S / 4.0;
         state = end;
@@ -126,7 +128,8 @@ proptest! {
 
     #[test]
     fn a_batch_flies_as_each_of_its_vehicles_would(
-        state in state(),
+        air in state(),
+        (north_mps, east_mps) in prop_oneof![Just((0.0, 0.0)), (-6.0..6.0f64, -6.0..6.0f64)],
         others in prop::collection::vec(state(), 0..7),
         law in law(),
         obstacles in obstacles(),
@@ -138,10 +141,13 @@ proptest! {
         let mut forecast = crate::forecast::Forecast::default();
         forecast.extrapolate(&others, settings.steps(PERIOD_S), PERIOD_S);
         let neighbours: Vec<Passage> = (0..others.len()).flat_map(|i| forecast.vehicle(i).to_vec()).collect();
-        let heading = course_vector(state.course_rad);
+        let wind = Wind { north_mps, east_mps, up_mps: 0.0 };
+        let state = air.over_ground(&wind);
+        let heading = course_vector(state.in_air(&wind).course_rad);
         let detected = obstacles.iter().any(|o| terms::detects(&law, state.position_m(), heading, o));
         let scene = Scene {
             state,
+            wind,
             expected: EXPECTED,
             obstacles: &obstacles,
             close_obstacles: &obstacles,

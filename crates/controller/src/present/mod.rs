@@ -14,7 +14,7 @@ mod wind;
 
 use commands::Commands;
 use error::PredictionError;
-use flight_model::{Autopilot, Dynamics, Setpoint, State, course_vector, wrap_pi};
+use flight_model::{Autopilot, Dynamics, Setpoint, State, Wind, course_vector, wrap_pi};
 use nalgebra::{Matrix2, Vector2};
 use speed::SpeedObserver;
 use std::collections::VecDeque;
@@ -93,6 +93,7 @@ pub struct Present {
     headings: VecDeque<(f64, f64)>,
     speed: SpeedObserver,
     holds_ground_speed: bool,
+    settles_slowly: bool,
     wind: WindEstimate,
     /// Squares of the residuals of course and speed, slowly averaged.
     residuals: [f64; 2],
@@ -120,6 +121,7 @@ impl Present {
             headings: VecDeque::new(),
             speed: SpeedObserver::default(),
             holds_ground_speed: false,
+            settles_slowly: true,
             wind: WindEstimate::default(),
             residuals: RESIDUAL_MIN.map(|least| least * least),
             interval_s: 0.1,
@@ -133,10 +135,20 @@ impl Present {
         self.model = Autopilot::new(dynamics, STEP_S);
     }
 
-    /// Whether the vehicle holds speeds over ground itself: its measured speed is then the reference, and nothing is to
-    /// be corrected. Else its setpoints are airspeeds.
+    /// How it flies, as far as is known.
+    pub fn dynamics(&self) -> &Dynamics {
+        &self.dynamics
+    }
+
+    /// Whether the vehicle finds the airspeed for a speed over ground itself. Else its setpoints are airspeeds.
     pub fn set_holds_ground_speed(&mut self, holds_ground_speed: bool) {
         self.holds_ground_speed = holds_ground_speed;
+    }
+
+    /// Whether its speed loop is no Eq. 1, but settles slowly or on something else: a slow observer then tells the
+    /// reference speed, and what is to be taken off a setpoint. Else the measured speed is the reference.
+    pub fn set_settles_slowly(&mut self, settles_slowly: bool) {
+        self.settles_slowly = settles_slowly;
     }
 
     /// From now on commands take this long to the vehicle, s.
@@ -193,7 +205,8 @@ impl Present {
         if let (Some(fix), Some(&(_, heading_rad))) = (self.fix, self.headings.back())
             && airspeed_mps.is_finite()
         {
-            self.wind.hear(heard_s, &fix.state, airspeed_mps, heading_rad);
+            let true_mps = airspeed_mps * self.dynamics.response.speed_gain;
+            self.wind.hear(heard_s, &fix.state, true_mps, heading_rad);
         }
     }
 
@@ -202,14 +215,22 @@ impl Present {
         self.wind.velocity_mps()
     }
 
+    /// The same; calm before an airspeed was heard.
+    pub fn wind(&self) -> Wind {
+        let [north_mps, east_mps] = self.wind_mps().unwrap_or_default().into();
+        Wind { north_mps, east_mps, up_mps: 0.0 }
+    }
+
     /// The speed to be sent for a wanted setpoint, m/s: over ground for vehicles that hold that, else the airspeed in
     /// the wind of now less the slow bias, within what the vehicle takes.
     pub fn speed_to_send_mps(&self, wanted: &Setpoint) -> f64 {
         if self.holds_ground_speed {
-            return wanted.speed_mps;
+            return wanted.speed_mps - self.speed_bias_mps();
         }
-        let limits = self.dynamics.limits;
-        (self.wind.airspeed_mps(wanted) - self.speed_bias_mps()).clamp(limits.speed_min_mps, limits.speed_max_mps)
+        let (limits, gain) = (self.dynamics.limits, self.dynamics.response.speed_gain);
+        let settled = Setpoint { speed_mps: wanted.speed_mps * gain, ..*wanted };
+        let asked_mps = self.wind.airspeed_mps(&settled) / gain - self.speed_bias_mps();
+        asked_mps.clamp(limits.speed_min_mps, limits.speed_max_mps)
     }
 
     /// Forgets where it was: its clock began anew.
@@ -224,10 +245,10 @@ impl Present {
         let last = self.fix?;
         let until_s = at_s.min(last.at_s + AHEAD_MAX_S);
         let state = self.fly(&fix, until_s);
-        let reference_speed_mps = if self.holds_ground_speed {
-            state.speed_mps
-        } else {
+        let reference_speed_mps = if self.settles_slowly {
             self.fly(&Fix { state: self.with_speed(&last.state), ..last }, until_s).speed_mps
+        } else {
+            state.speed_mps
         };
         let age_s = (at_s - last.at_s).max(0.0);
         let walk = self.walk_m2ps3(last.state.speed_mps);
@@ -252,7 +273,7 @@ impl Present {
     /// What is to be taken off a wanted speed, m/s, so that the vehicle settles on it: learnt slowly, from wind, air
     /// density and the loop's gain alike.
     pub fn speed_bias_mps(&self) -> f64 {
-        if self.holds_ground_speed { 0.0 } else { self.speed.bias_mps() }
+        if self.settles_slowly { self.speed.bias_mps() } else { 0.0 }
     }
 
     /// Root of the mean square of the errors of position along and across the course, m, of what was foreseen; none
@@ -310,18 +331,29 @@ impl Present {
     /// The model's flight on the commands as they act.
     fn fly(&self, from: &Fix, to_s: f64) -> State {
         let Fix { mut at_s, mut state } = *from;
-        let hold = from.state.hold();
+        let (hold, wind) = (from.state.hold(), self.wind());
         while to_s - at_s > 1e-6 {
             let setpoint = self.commands.acting(at_s, &self.dynamics.response).unwrap_or(hold);
             if to_s - at_s >= STEP_S {
-                state = self.model.step(&state, &setpoint);
+                state = self.model.step_in_wind(&state, &self.in_air(&setpoint, &wind), &wind);
                 at_s += STEP_S;
             } else {
-                state = Autopilot::new(&self.dynamics, to_s - at_s).step(&state, &setpoint);
+                let rest = Autopilot::new(&self.dynamics, to_s - at_s);
+                state = rest.step_in_wind(&state, &self.in_air(&setpoint, &wind), &wind);
                 at_s = to_s;
             }
         }
         state
+    }
+
+    /// A setpoint over ground as one of airspeed and heading, both before the gain of the speed loop.
+    fn in_air(&self, setpoint: &Setpoint, wind: &Wind) -> Setpoint {
+        if wind.is_calm() {
+            return *setpoint;
+        }
+        let gain = self.dynamics.response.speed_gain;
+        let settled = Setpoint { speed_mps: setpoint.speed_mps * gain, ..*setpoint }.in_air(wind);
+        Setpoint { speed_mps: settled.speed_mps / gain, ..settled }
     }
 
     /// Looks whether the last commands have come: each that has acted by now is taken for lost where the vehicle flew

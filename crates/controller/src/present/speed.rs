@@ -1,7 +1,8 @@
 //! A slow observer of speed: the model tells how it changes, telemetry where it lies.
 
-/// The observer takes up a difference to the measured speed with this time constant, s.
-const FOLLOW_S: f64 = 2.0;
+/// The observer takes up a difference to the measured speed with this time constant, s: slowly enough that a law with a
+/// high gain, and the push of a throttle that is fed forward, do not keep each other busy.
+const FOLLOW_S: f64 = 5.0;
 /// The bias takes it up with this one, s: slower than the speed loop of any autopilot.
 const BIAS_S: f64 = 15.0;
 /// Of a difference at most so much is taken up into the bias, m/s.

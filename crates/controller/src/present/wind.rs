@@ -8,6 +8,8 @@ const FOLLOW_S: f64 = 1.0;
 
 /// The wind as the vehicle's own measurements tell it. An airspeed that reads a little wrong is a little wind along the
 /// heading, and corrected for as such.
+///
+/// Airspeeds here are true ones: those that the vehicle reads and takes, times the gain of its speed loop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WindEstimate {
     /// (North, east), m/s, and when.

@@ -37,6 +37,10 @@ pub struct DynamicsTable {
     pub altitude_dead_time_s: f64,
     /// Speed at which tau_chi is as above; it grows in proportion to speed. 0: it is the same at every speed.
     pub course_reference_speed_mps: f64,
+    /// Fastest change of speed, m/s2. 0: no limit.
+    pub acceleration_max_mps2: f64,
+    /// Turns are Eq. 1 up to this course error, degrees: the controller asks for no more at once.
+    pub course_step_max_deg: f64,
     /// Step of the integration, s, at which flights are judged too.
     pub integration_step_s: f64,
 }
@@ -60,6 +64,8 @@ impl Default for DynamicsTable {
             course_dead_time_s: response.course_dead_time_s,
             altitude_dead_time_s: response.altitude_dead_time_s,
             course_reference_speed_mps: response.course_reference_speed_mps.unwrap_or(0.0),
+            acceleration_max_mps2: 0.0,
+            course_step_max_deg: response.course_step_max_rad.to_degrees(),
             integration_step_s: 0.01,
         }
     }
@@ -89,7 +95,14 @@ impl DynamicsTable {
                 course_dead_time_s: self.course_dead_time_s,
                 altitude_dead_time_s: self.altitude_dead_time_s,
                 course_reference_speed_mps: Some(self.course_reference_speed_mps).filter(|speed_mps| *speed_mps != 0.0),
+                acceleration_max_mps2: or_infinite(self.acceleration_max_mps2),
+                course_step_max_rad: self.course_step_max_deg.to_radians(),
             },
         }
     }
+}
+
+/// A limit as files have it: 0 is none.
+pub fn or_infinite(limit: f64) -> f64 {
+    if limit == 0.0 { f64::INFINITY } else { limit }
 }

@@ -1,6 +1,6 @@
 //! Bank angle over time.
 
-use super::{VehicleLine, over_time};
+use super::{NONE, VehicleLine, over_time};
 use crate::flight::{Flight, Row};
 use flight_model::wrap_pi;
 
@@ -16,7 +16,7 @@ pub const CAPTION: &str = "Bank angle of a coordinated turn, positive to the rig
 /// Bank angle over time in degrees, from the ground track.
 pub fn bank(flight: &Flight) -> String {
     let lines: Vec<VehicleLine> = (0..flight.trajectory.vehicles).map(|vehicle| banks_deg(flight, vehicle)).collect();
-    over_time(flight, "bank", "bank, right (\u{b0})", 0.0, 10.0, &lines)
+    over_time(flight, "bank", "bank, right (\u{b0})", (0.0, NONE), 10.0, &lines)
 }
 
 /// A vehicle's mean bank angle between each two ticks, deg, at the time between them.

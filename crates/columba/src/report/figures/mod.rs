@@ -78,6 +78,10 @@ pub fn all(flight: &Flight) -> Vec<Figure> {
         .collect()
 }
 
+/// What a dashed line is: what the flock is to settle on, or nothing of the quantity.
+const EXPECTED: &str = "expected";
+const NONE: &str = "none";
+
 /// A caption, with what the bands are where there are bands.
 fn over_flock(flight: &Flight, caption: &str) -> String {
     if flight.trajectory.vehicles <= LINES_MAX {
@@ -92,20 +96,28 @@ fn over_flock(flight: &Flight, caption: &str) -> String {
 /// Speed over time (the paper's Fig. 2b).
 pub fn speeds(flight: &Flight) -> String {
     let expected = flight.field.expected.speed_mps;
-    over_time(flight, "speeds", "speed (m/s)", expected, 1.0, &lines(flight, |row| row.state.speed_mps))
+    over_time(flight, "speeds", "speed (m/s)", (expected, EXPECTED), 1.0, &lines(flight, |row| row.state.speed_mps))
 }
 
 /// Course over time in degrees (the paper's Fig. 2c), on the turn around the expected course.
 pub fn courses(flight: &Flight) -> String {
     let expected_rad = wrap_pi(flight.field.expected.course_rad);
     let course_deg = |row: &Row| (expected_rad + wrap_pi(row.state.course_rad - expected_rad)).to_degrees();
-    over_time(flight, "courses", "course (\u{b0})", expected_rad.to_degrees(), 10.0, &lines(flight, course_deg))
+    let guide = (expected_rad.to_degrees(), EXPECTED);
+    over_time(flight, "courses", "course (\u{b0})", guide, 10.0, &lines(flight, course_deg))
 }
 
 /// Altitude over time.
 pub fn altitudes(flight: &Flight) -> String {
     let expected = flight.field.expected.altitude_m;
-    over_time(flight, "altitudes", "altitude (m)", expected, 2.0, &lines(flight, |row| row.state.altitude_m))
+    over_time(
+        flight,
+        "altitudes",
+        "altitude (m)",
+        (expected, EXPECTED),
+        2.0,
+        &lines(flight, |row| row.state.altitude_m),
+    )
 }
 
 /// A value of every vehicle at each tick.
@@ -114,17 +126,17 @@ fn lines(flight: &Flight, value: impl Fn(&Row) -> f64) -> Vec<VehicleLine> {
     (0..flight.trajectory.vehicles).map(line).collect()
 }
 
-/// A figure of one value over time, with a dashed line for the expected one.
+/// A figure of one value over time, with a dashed line at another value, and what that one is.
 fn over_time(
     flight: &Flight,
     name: &str,
     y_label: &str,
-    expected: f64,
+    (guided, guide_words): (f64, &str),
     least_span: f64,
     lines: &[VehicleLine],
 ) -> String {
     let guide = Stroke { dashes: "7 4", ..Stroke::solid(GUIDE, 1.4) };
-    let (low, high) = bounds(lines.iter().flatten().map(|(_, value)| *value).chain([expected]));
+    let (low, high) = bounds(lines.iter().flatten().map(|(_, value)| *value).chain([guided]));
     let y = Axis::nice(low, high, least_span, 7.0);
     let spread = (lines.len() > LINES_MAX).then(|| {
         let spreads = spread::spreads(lines);
@@ -135,7 +147,7 @@ fn over_time(
         Some((_, outliers)) => spread::legend(lines.len(), outliers),
         None => vehicle_entries(lines.len(), Mark::Line),
     };
-    let legend = Legend::new(entries.into_iter().chain([(Mark::Line(guide), "expected".to_owned())]));
+    let legend = Legend::new(entries.into_iter().chain([(Mark::Line(guide), guide_words.to_owned())]));
     let frame = time_frame(flight, legend.height(), 230.0, y);
 
     let mut drawing = new_drawing(&frame, &format!("{y_label} over time"));
@@ -150,7 +162,7 @@ fn over_time(
                 }
             }
         }
-        horizontal(drawing, &frame, expected, guide);
+        horizontal(drawing, &frame, guided, guide);
     });
     drawing.finish()
 }

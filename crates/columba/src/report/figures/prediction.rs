@@ -1,6 +1,6 @@
 //! Predicted against flown.
 
-use super::{LINES_MAX, VehicleLine, over_time};
+use super::{LINES_MAX, NONE, VehicleLine, over_time};
 use crate::flight::{Flight, vehicle_number};
 use crate::prediction::{HORIZON_S, errors_m, rms};
 use std::fmt::Write;
@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// How far vehicles were from where the model had them three seconds before.
 pub fn prediction(flight: &Flight) -> String {
     let lines: Vec<VehicleLine> = lines(flight);
-    over_time(flight, "prediction", "error 3 s ahead (m)", 0.0, 1.0, &lines)
+    over_time(flight, "prediction", "error 3 s ahead (m)", (0.0, NONE), 1.0, &lines)
 }
 
 /// What the figure shows, with the root mean squares of the vehicles.
@@ -52,5 +52,10 @@ mod tests {
         flight.dynamics = vec![flight_model::Dynamics::default()];
         let words = caption(&flight);
         assert!(words.contains("Root mean square") && words.contains("UAV 2: "), "{words}");
+        let svg = prediction(&flight);
+        assert!(
+            svg.contains(">none</text>") && !svg.contains(">expected</text>"),
+            "no error is expected: none is meant"
+        );
     }
 }
