@@ -163,8 +163,8 @@ impl Scenario {
         self.airframe_of(index).map_or(self.dynamics, |own| own.dynamics)
     }
 
-    /// The same where it is told speeds over ground: one with a plant finds the airspeed itself, and what its speed loop
-    /// settles on is the speed asked for.
+    /// The same where it is told speeds over ground: one with a plant finds the airspeed itself, and what its speed
+    /// loop settles on is the speed asked for.
     pub fn dynamics_over_ground_of(&self, index: usize) -> Dynamics {
         let mut dynamics = self.dynamics_of(index);
         if self.plant_of(index).is_some() {

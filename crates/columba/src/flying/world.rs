@@ -30,8 +30,8 @@ pub trait World {
     /// The states of all vehicles as the controller knows them; the planned starts before the first are known.
     fn states(&self) -> &[State];
 
-    /// What the ground knows of vehicles that do not act at once, because they are behind a link, or slow to answer; none:
-    /// [`states`](Self::states) are where its commands act.
+    /// What the ground knows of vehicles that do not act at once, because they are behind a link, or slow to answer;
+    /// none: [`states`](Self::states) are where its commands act.
     fn watch(&self) -> Option<&Watch> {
         None
     }
