@@ -4,6 +4,7 @@ import os
 import socket
 import subprocess
 import time
+from collections import Counter
 
 import pytest
 from ground import GUIDED, Craft
@@ -189,6 +190,25 @@ def test_a_px4_sends_to_the_api_port_unasked(run):
     run("--count", "1", "--personality", "px4", "--ports", "px4", "--instance", str(instance))
     assert heard(link)
     link.close()
+
+
+def test_each_link_of_a_px4_has_the_rates_of_its_simulator(run):
+    """Hz of `px4-rc.mavlink`: of a companion computer, and of a ground station."""
+    instance = free_instance(14_580, None, 1)
+    run("--count", "1", "--personality", "px4", "--ports", "px4", "--instance", str(instance))
+    expected = {14_580: {"ATTITUDE": 100, "HIGHRES_IMU": 50, "SYS_STATUS": 5}, 18_570: {"ATTITUDE": 50, "VFR_HUD": 4}}
+    for port, rates in expected.items():
+        link = connect(f"udpout:127.0.0.1:{port + instance}")
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        times, counts = [], Counter()
+        while not times or times[-1] - times[0] < 2000:
+            message = heard(link, list(rates))
+            assert message, "it has fallen silent"
+            counts[message.get_type()] += 1
+            if message.get_type() == "ATTITUDE":
+                times.append(message.time_boot_ms)
+        assert {name: counts[name] / 2 for name in rates} == pytest.approx(rates, rel=0.1, abs=1)
+        link.close()
 
 
 def test_the_multicast_group_hears_all_vehicles_and_is_heard(start_vehicles):

@@ -1,9 +1,11 @@
 """What a real PX4 answered when plans were transferred and judged, message by message, and what ours answers.
 
 `reference/px4-plans.json` was recorded from a PX4 1.18 (SIH, a fixed wing on the ground, disarmed). A real one answers some
-things again after 0.25 s: the request for an item and the count of a download are compared only where they are new."""
+things again after 0.25 s: the request for an item and the count of a download are compared only where they are new.
+`reference/px4-flight.json` is the same PX4 in the air."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -177,3 +179,56 @@ def test_missions_are_judged_as_by_a_real_px4(talk):
         started[name] = talk.craft.command_long(mavlink.MAV_CMD_MISSION_START)
         talk.craft.command_long(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0, 21196)
     assert started == RECORDED["started"]
+
+
+FLIGHT = json.loads((Path(__file__).parent / "reference/px4-flight.json").read_text())
+# Command, params 1 and 2, metres north and east, height above home; param 4 of a loiter to an altitude is 1.
+FLOWN = [
+    (22, 0, 0, 300, 0, 60), (16, 0, 0, 900, 0, 60), (16, 0, 200, 900, 600, 60), (19, 5, 1, 300, 600, 60),
+    (16, 0, 0, 300, -300, 80), (31, 1, 0, -300, -300, 60), (16, 0, 0, -300, 300, 60),
+]  # fmt: skip
+
+
+def test_a_mission_is_flown_and_told_as_by_a_real_px4(start_vehicles):
+    """Which items, states, modes and texts come in which order, and how many seconds before a waypoint it is reached."""
+    craft = start_vehicles("--count", 1, "--personality", "px4", "--on-ground", "--speed", 20).connect()[0]
+    talk = Talk(craft)
+    items = [item(command, north, east, height, p1=p1, p2=p2) for command, p1, p2, north, east, height in FLOWN]
+    assert talk.upload(items, current=0) == ACCEPTED
+    assert craft.command_long(mavlink.MAV_CMD_MISSION_START) == ACCEPTED
+    told, place, seconds_before = [text.text for text in craft.texts], None, {}
+    craft.texts.clear()
+    kinds = ["STATUSTEXT", "MISSION_CURRENT", "MISSION_ITEM_REACHED", "GLOBAL_POSITION_INT", "HEARTBEAT"]
+    while not told or not told[-1].startswith("MODE 4,3"):
+        message = craft.wait(kinds)
+        kind = message.get_type()
+        if kind == "GLOBAL_POSITION_INT":
+            place = message
+            continue
+        line = event(message)
+        if kind == "MISSION_ITEM_REACHED" and line not in told and message.seq in (1, 2, 4):
+            seconds_before[message.seq] = distance_m(place, items[message.seq]) / (math.hypot(place.vx, place.vy) / 100)
+        if line not in told:
+            told.append(line)
+    assert sorted(told) == sorted(FLIGHT["events"])
+    reached = [line for line in told if line.startswith(("REACHED", "CURRENT"))]
+    assert reached == [line for line in FLIGHT["events"] if line.startswith(("REACHED", "CURRENT"))]
+    for seq in (2, 4):
+        assert seconds_before[seq] == pytest.approx(FLIGHT["seconds_before"][str(seq)], abs=0.3)
+
+
+def event(message):
+    kind = message.get_type()
+    if kind == "STATUSTEXT":
+        return message.text
+    if kind == "HEARTBEAT":
+        return f"MODE {message.custom_mode >> 16 & 255},{message.custom_mode >> 24} state {message.system_status}"
+    if kind == "MISSION_ITEM_REACHED":
+        return f"REACHED {message.seq}"
+    return f"CURRENT {message.seq} of {message.total} state {message.mission_state} mode {message.mission_mode}"
+
+
+def distance_m(place, fields):
+    north_m = (fields[5] - place.lat) * 1e-7 * 111_200
+    east_m = (fields[6] - place.lon) * 1e-7 * 111_200 * math.cos(math.radians(39.98))
+    return math.hypot(north_m, east_m)

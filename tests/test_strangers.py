@@ -1,7 +1,7 @@
 """Other people's clients, as they are: each connects, reads all parameters, uploads a mission, flies it, and comes home.
 
-They are not among this project's requirements: a test whose package or program is not there is skipped, and says which.
-To run them: pip install MAVProxy dronekit2 mavsdk, and mavlink-routerd on the PATH.
+dronekit and MAVSDK are among the tests' requirements. MAVProxy (pip install MAVProxy) and mavlink-routerd are not: a test
+whose program is not on the PATH is skipped, and says which.
 """
 
 import importlib

@@ -83,8 +83,8 @@ impl FlockSettings {
     }
 
     /// The same for vehicles behind a link: evasions keep their side, and no command asks for a hard turn at once.
-    /// Where it acts the vehicle may be on another course than foreseen, and a gust may have turned its nose; of a turn
-    /// of nearly half a circle the short way round is then the wrong one, into what is evaded.
+    /// Where it acts the vehicle may be on another course than foreseen, and a gust may have turned its nose; of a
+    /// turn of nearly half a circle the short way round is then the wrong one, into what is evaded.
     #[must_use]
     pub fn behind_a_link(mut self) -> Self {
         self.side_m = SIDE_BEHIND_LINK_M;

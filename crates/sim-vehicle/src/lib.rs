@@ -38,5 +38,5 @@ pub use parameters::file::{ParameterFile, ParameterFileError, Place};
 pub use parameters::renamed::OldName;
 pub use protocol::mission::file::PlanFileError;
 pub use settings::{LockstepSettings, SettingsError, VehicleSettings};
-pub use telemetry::rates::TelemetryRates;
+pub use telemetry::rates::{LinkUse, TelemetryRates};
 pub use vehicle::Vehicle;

@@ -4,7 +4,7 @@ use crate::autopilot::plan::Plans;
 use crate::firmware::Personality;
 use crate::mode::Mode;
 use crate::parameters::file::{ParameterFile, Place};
-use crate::telemetry::rates::TelemetryRates;
+use crate::telemetry::rates::{LinkUse, TelemetryRates};
 use flight_model::{Dynamics, Geodetic, LocalFrame, PlantSettings, RangeError, Ranges, State};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -51,6 +51,8 @@ pub struct VehicleSettings {
     pub ground: Option<SocketAddr>,
     /// Where else it goes unasked.
     pub further_grounds: Vec<SocketAddr>,
+    /// What links are for that are those of the autopilot's own simulator: these start with its rates.
+    pub link_uses: Vec<(SocketAddr, LinkUse)>,
     /// Parameter files in place of the vehicle's own defaults. What the vehicle does not know is kept for its clients.
     pub parameter_files: ParameterFile,
     /// Parameters in place of these and of the vehicle's own defaults, by name, in order.
@@ -132,6 +134,7 @@ impl Default for VehicleSettings {
             clock_epoch_us: 0,
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
             further_grounds: Vec::new(),
+            link_uses: Vec::new(),
             cruise_speed_mps: None,
             files_shape_limits: false,
             parameter_files: ParameterFile::default(),

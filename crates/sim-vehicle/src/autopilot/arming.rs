@@ -24,6 +24,16 @@ const CHECK_RECEIVER: u32 = 1 << 6;
 const CHECK_BATTERY: u32 = 1 << 8;
 const CHECK_MISSION: u32 = 1 << 14;
 
+/// What an autopilot is armed or disarmed by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cause {
+    Command,
+    MissionStart,
+    Landing,
+    /// It was armed and has not flown.
+    Idle,
+}
+
 impl Autopilot {
     /// Param 1: 1 to arm, 0 to disarm. Param 2: 21196 by force, as ArduPlane: in the air it is disarmed only so.
     pub(crate) fn arm_or_disarm(&mut self, [p1, p2]: [f32; 2]) -> Result<(), CommandError> {
@@ -43,7 +53,7 @@ impl Autopilot {
                 return Err(CommandError::failed("Disarm: it is flying"));
             }
             if is_armed {
-                self.disarm();
+                self.disarm(Cause::Command);
             }
         } else {
             return Err(CommandError::unsupported());
@@ -63,7 +73,7 @@ impl Autopilot {
         if self.parameters.get(Parameter::ArmingCheck) == 0.0 {
             self.say(Severity::Warning, "Warning: Arming Checks Disabled");
         }
-        self.arm();
+        self.arm(Cause::Command);
     }
 
     /// Why it does not arm at this moment: what stands against it anyway, or where the sticks are.
@@ -137,7 +147,7 @@ impl Autopilot {
     }
 
     /// Arms it. On the ground home is where it stands, unless somebody has set another.
-    pub(crate) fn arm(&mut self) {
+    pub(crate) fn arm(&mut self, cause: Cause) {
         if self.flight.is_on_ground() && !self.session.home_is_set {
             self.set_home_here();
         }
@@ -147,22 +157,25 @@ impl Autopilot {
         self.flight.arm();
         self.tell_fence_of_arming();
         self.restart_setpoint_timeout();
-        self.say(Severity::Info, "Throttle armed");
+        self.say(Severity::Info, (self.rules.words.armed)(cause));
+        if self.mode() == Mode::Auto {
+            self.tell_mission_begins();
+        }
     }
 
-    pub(crate) fn disarm(&mut self) {
+    pub(crate) fn disarm(&mut self, cause: Cause) {
         self.flight.disarm();
-        self.have_disarmed();
+        self.have_disarmed(cause);
     }
 
-    fn have_disarmed(&mut self) {
+    fn have_disarmed(&mut self, cause: Cause) {
         self.tell_fence_of_arming();
         self.stop_setpoint_timeout();
         // In AUTO ArduPlane stays where the mission has come to.
         if self.mode() != Mode::Auto {
             self.session.progress = Progress::at_beginning(&self.mission);
         }
-        self.say(Severity::Info, "Throttle disarmed");
+        self.say(Severity::Info, (self.rules.words.disarmed)(cause));
     }
 
     fn tell_fence_of_arming(&mut self) {
@@ -172,12 +185,17 @@ impl Autopilot {
     /// Moves the vehicle on by one integration step, and does what follows from it on the ground.
     pub(crate) fn step_flight(&mut self) {
         self.move_sticks();
-        let was_armed = self.flight.is_armed();
-        if let Some(TouchDown { sink_mps }) = self.flight.step() {
-            self.say(Severity::Info, &format!("SIM Hit ground at {sink_mps:.6} m/s"));
-            if was_armed && !self.flight.is_armed() {
-                self.have_disarmed();
+        let (was_armed, was_flying) = (self.flight.is_armed(), self.flight.is_flying());
+        let touch_down = self.flight.step();
+        if let Some([lift_off, landing]) = self.rules.words.contact {
+            if self.flight.is_flying() != was_flying {
+                self.say(Severity::Info, if was_flying { landing } else { lift_off });
             }
+        } else if let Some(TouchDown { sink_mps }) = touch_down {
+            self.say(Severity::Info, &format!("SIM Hit ground at {sink_mps:.6} m/s"));
+        }
+        if was_armed && !self.flight.is_armed() {
+            self.have_disarmed(Cause::Landing);
         }
         if self.flight.is_flying() {
             self.session.timers.set(Timer::Flown, self.time);
@@ -191,8 +209,10 @@ impl Autopilot {
         let delay = Duration::from_secs(self.parameters.get(Parameter::DisarmDelay) as u64);
         let since = self.session.timers.since(Timer::Flown, self.time).unwrap_or(self.time);
         if !delay.is_zero() && since >= delay {
-            self.disarm();
-            self.say(Severity::Info, "Auto disarmed");
+            self.disarm(Cause::Landing);
+            if let Some(text) = self.rules.words.disarmed_after_landing {
+                self.say(Severity::Info, text);
+            }
         }
     }
 }

@@ -2,9 +2,9 @@
 //! disarming where it is armed and does not fly.
 
 use super::Autopilot;
+use super::arming::Cause;
 use super::habits::ends_a_flight;
 use super::timer::Timer;
-use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 
@@ -39,7 +39,7 @@ impl Autopilot {
     /// Take-off is over when it circles at its altitude.
     pub(super) fn hold_after_take_off(&mut self) {
         if self.mode() == Mode::Takeoff && self.flight.is_flying() && !self.flight.is_taking_off() {
-            let altitude_m = self.flight.state().altitude_m + self.flight.altitude_error_m();
+            let altitude_m = self.flight.target_altitude_m();
             self.set_mode(Mode::Loiter);
             self.flight.set_altitude(altitude_m, f64::INFINITY);
         }
@@ -54,8 +54,7 @@ impl Autopilot {
         let since = self.session.timers.since(Timer::ArmedIdle, self.time).filter(|_| delay_s >= 0.0);
         let is_idle = self.flight.state().speed_mps == 0.0;
         if is_idle && since.is_some_and(|since| since.as_secs_f32() >= delay_s) {
-            self.disarm();
-            self.say(Severity::Critical, "Disarmed by auto preflight disarming");
+            self.disarm(Cause::Idle);
         }
     }
 }

@@ -59,6 +59,9 @@ use situation::Situation;
 use std::time::Duration;
 use timer::Timer;
 
+/// Why a mission is over that has been flown.
+pub(crate) const MISSION_COMPLETE: &str = "Mission complete";
+
 /// One autopilot in its aircraft and its world. It knows vehicle time alone.
 #[derive(Debug)]
 pub(crate) struct Autopilot {
@@ -128,7 +131,7 @@ impl Autopilot {
     pub fn reboot(&mut self) {
         self.boots = self.boots.saturating_add(1);
         if self.flight.is_armed() {
-            self.disarm();
+            self.disarm(arming::Cause::Command);
         }
         self.session = Session::default();
         self.flight.stand_at_start();
@@ -252,6 +255,13 @@ impl Autopilot {
             self.session.progress.look_for_landing_again();
         }
         self.flight.set_mode(mode);
+        if is_new && self.flight.is_armed() {
+            match mode {
+                Mode::Auto => self.tell_mission_begins(),
+                Mode::Rtl => self.tell_return(),
+                _ => {}
+            }
+        }
         if is_new {
             let session = &mut self.session;
             session.fence.mode_changed(self.time, &mut session.timers, &mut self.events);
@@ -498,11 +508,29 @@ impl Autopilot {
         }
     }
 
+    fn tell_return(&mut self) {
+        if let Some(words) = self.rules.words.returns {
+            let altitude_m = self.flight.target_altitude_m();
+            let above_sea_m = self.frame.origin().altitude_amsl_m + altitude_m;
+            let above_home_m = altitude_m - self.flight.home().altitude_m;
+            let text = words(above_sea_m.ceil() as i64, above_home_m.ceil() as i64);
+            self.say(Severity::Info, &text);
+        }
+    }
+
+    /// A mission is flown from now on.
+    fn tell_mission_begins(&mut self) {
+        if let Some(text) = self.rules.words.mission_begins.filter(|_| self.mission.is_flyable()) {
+            self.say(Severity::Info, text);
+        }
+    }
+
     /// A mission is over.
     pub(crate) fn end_mission(&mut self, text: &str) {
         let mode = self.rules.mode_after_mission;
         let name = (self.rules.mode_name)(mode);
-        self.say(Severity::Info, &format!("{text}, changing mode to {name}"));
+        let text = (self.rules.words.mission_ends)(text, !self.flight.is_flying(), name);
+        self.say(Severity::Info, &text);
         self.set_mode(mode);
     }
 

@@ -17,6 +17,7 @@ impl Autopilot {
         self.check_failsafes();
         self.check_fence();
         self.follow_mission();
+        self.tell_reached_again();
         self.follow_calibration();
         self.follow_streams();
         self.follow_switches();

@@ -1,6 +1,7 @@
 //! A pilot's transmitter and its receiver: what the receiver says, its failsafes, and arming by the rudder stick.
 
 use super::Autopilot;
+use super::arming::Cause;
 use super::manual_control::{OverrideTime, Receiver};
 use crate::parameters::table::Parameter;
 use std::time::Duration;
@@ -101,7 +102,7 @@ impl Autopilot {
         if arms && !self.flight.is_armed() {
             self.arm_by_rudder();
         } else if !arms && wanted == RUDDER_DISARMS_TOO && self.flight.is_armed() && !self.flight.is_flying() {
-            self.disarm();
+            self.disarm(Cause::Command);
         }
     }
 }

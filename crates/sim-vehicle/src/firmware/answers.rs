@@ -99,6 +99,14 @@ pub(crate) fn take_attitude(autopilot: &mut Autopilot, data: &SET_ATTITUDE_TARGE
     }
 }
 
+/// An item of a plan as it is told again.
+pub(crate) fn told_plan_item(rules: &Rules, kind: PlanKind, item: &PlanItem, by_integers: bool) -> PlanItem {
+    match rules.commands {
+        CommandSet::Px4 => px4::mission_items::as_kept(kind, item, by_integers),
+        CommandSet::ArduPlane | CommandSet::Generic => *item,
+    }
+}
+
 /// Whether an item can be one of a plan, and why not; none if that is every vehicle's check.
 pub(crate) fn check_plan_item(
     rules: &Rules,

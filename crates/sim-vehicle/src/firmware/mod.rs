@@ -12,6 +12,7 @@ pub(crate) mod offers;
 mod px4;
 pub(crate) mod rules;
 mod targets;
+pub(crate) mod words;
 
 use crate::mode::Mode;
 use rules::Rules;

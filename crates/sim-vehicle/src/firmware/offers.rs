@@ -29,7 +29,12 @@ impl CommandSet {
     }
 }
 
-/// Whether a PX4 has something to say in a message.
+/// Whether a PX4 sends a message that is due.
+pub(crate) fn px4_streams(autopilot: &Autopilot, stream: Stream) -> bool {
+    px4::messages::streams(autopilot, stream)
+}
+
+/// Whether a PX4 has something to say in a message that is asked for.
 pub(crate) fn px4_has(autopilot: &Autopilot, stream: Stream) -> bool {
     px4::messages::has(autopilot, stream)
 }

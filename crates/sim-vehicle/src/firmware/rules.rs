@@ -1,15 +1,19 @@
 //! What differs between autopilots, by name: one const each. What is not here is the same for all of them, and
 //! ArduPlane's.
 
+use crate::firmware::words::Words;
 use crate::mode::Mode;
 use crate::parameters::renamed::Renamed;
 use crate::parameters::table::Parameter;
-use crate::telemetry::rates::TelemetryRates;
+use crate::telemetry::rates::{LinkUse, TelemetryRates};
 use crate::telemetry::streams::Stream;
-use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag, MavParamType};
+use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag, MavParamType, MavStandardMode};
 
 /// Where the default rate of a stream stands.
 pub(crate) type RateOf = fn(&mut TelemetryRates) -> &mut f64;
+
+/// Which streams a link has, and how often they come, Hz.
+pub(crate) type StreamRates = &'static [(Stream, f64)];
 
 /// Which answers to commands an autopilot has where ArduPlane's are others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +61,8 @@ pub(crate) struct Rules {
     /// The mode that it starts in where an ArduPlane starts in another; the flag tells whether it is in lockstep.
     pub first_mode: fn(Mode, bool) -> Mode,
     pub mode_after_mission: Mode,
+    /// Whether its state is ACTIVE from arming on, and not only in flight.
+    pub is_active_once_armed: bool,
     /// Whether a new mode is told before the next heartbeat.
     pub tells_mode_at_once: bool,
     /// Whether AUTO without a mission returns; otherwise it is refused.
@@ -77,6 +83,7 @@ pub(crate) struct Rules {
     pub has_ardupilot_commands: bool,
 
     // Arming and flying.
+    pub words: Words,
     pub fence_forbids_arming: bool,
     /// What a value of FENCE_ACTION brings about; none: words alone.
     pub fence_action: fn(u8) -> Option<Mode>,
@@ -117,10 +124,13 @@ pub(crate) struct Rules {
     pub asks_by_old_message: bool,
     /// Whether an item that is chosen and not flown to is told as the next one that is.
     pub tells_next_flown_item: bool,
-    /// Whether a mission that is not flown is told as paused.
-    pub tells_paused_mission: bool,
+    /// Whether the state of a mission is told as a PX4 does: paused once an item has been reached, active in a take-off
+    /// and a landing too, and with checksums of all plans.
+    pub tells_mission_as_px4: bool,
     /// MISSION_CURRENT.mission_mode while no mission is flown.
     pub mission_mode_suspended: u8,
+    /// Whether MISSION_ITEM_REACHED comes again, once a second, ten times.
+    pub repeats_reached: bool,
 
     // Parameters and telemetry.
     pub has_parameter: fn(Parameter) -> bool,
@@ -142,4 +152,22 @@ pub(crate) struct Rules {
     pub has_parameter_hash: bool,
     /// Streams that come unasked beyond those of all.
     pub more_streams: &'static [(Stream, RateOf)],
+    /// What comes unasked on a link of the autopilot's own simulator, Hz; none: what the settings say.
+    pub link_rates: fn(LinkUse) -> Option<StreamRates>,
+}
+
+impl Rules {
+    /// MAVLink's standard mode that one of the vehicle's is. Some autopilots have only modes of their own.
+    pub fn standard_mode(&self, mode: Mode) -> MavStandardMode {
+        match mode {
+            _ if !self.has_standard_modes => MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
+            Mode::Cruise => MavStandardMode::MAV_STANDARD_MODE_CRUISE,
+            Mode::Fbwb => MavStandardMode::MAV_STANDARD_MODE_ALTITUDE_HOLD,
+            Mode::Rtl => MavStandardMode::MAV_STANDARD_MODE_SAFE_RECOVERY,
+            Mode::Auto => MavStandardMode::MAV_STANDARD_MODE_MISSION,
+            Mode::Land => MavStandardMode::MAV_STANDARD_MODE_LAND,
+            Mode::Takeoff => MavStandardMode::MAV_STANDARD_MODE_TAKEOFF,
+            _ => MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Which ports vehicles have: Columba's own, or those that tools for an autopilot expect.
 
 use crate::host::clock::{HostError, port_index};
+use crate::telemetry::rates::LinkUse;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
 /// Where vehicles listen, and where they send telemetry unasked.
@@ -53,6 +54,17 @@ impl PortLayout {
             Self::Px4 { instance } => {
                 let api = port(14_540, 1, instance, vehicle).map(|port| port.min(14_549));
                 Some([at(api), at(Some(14_550))].into_iter().flatten().collect())
+            }
+        }
+    }
+
+    /// What the addresses of [`grounds`](Self::grounds) are for, where the autopilot's simulator tells them apart.
+    pub(crate) fn link_uses(self, host: IpAddr, vehicle: usize) -> Vec<(SocketAddr, LinkUse)> {
+        match self {
+            Self::Columba | Self::ArduPilot { .. } => Vec::new(),
+            Self::Px4 { .. } => {
+                let uses = [LinkUse::Companion, LinkUse::GroundStation];
+                self.grounds(host, vehicle).into_iter().flatten().zip(uses).collect()
             }
         }
     }

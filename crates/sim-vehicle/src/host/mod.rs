@@ -280,6 +280,7 @@ impl HostSettings {
             settings.ground = grounds.next();
             settings.further_grounds = grounds.collect();
         }
+        settings.link_uses = self.layout.link_uses(self.bind, vehicle);
         if self.multicast.is_some() {
             settings.further_grounds.push(SocketAddr::V4(MULTICAST_GROUP));
         }

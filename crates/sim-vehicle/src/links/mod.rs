@@ -6,7 +6,7 @@ mod texts;
 use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
 use crate::telemetry::rates::TelemetryRates;
-use crate::telemetry::streams::{Schedule, Stream};
+use crate::telemetry::streams::{Schedule, Stream, interval_of};
 use crate::world::{Noise, Source};
 use mavlink_bridge::dialect::{DialectMessage, MavMissionResult, MavResult, Message};
 use mavlink_bridge::{ArduPilotMessage, Counters, Encoder, PlanItemMessage, Target, Version, frames};
@@ -142,11 +142,8 @@ impl Links {
         self.settings.rates = *rates;
         for index in 0..self.links.len() {
             for &stream in streams {
-                self.links[index].schedule.set_interval(
-                    stream,
-                    stream.default_interval(rates, self.settings.personality.rules()),
-                    time,
-                );
+                let interval = self.default_interval(index, stream);
+                self.links[index].schedule.set_interval(stream, interval, time);
             }
         }
         self.find_next_due();
@@ -163,7 +160,7 @@ impl Links {
     /// Every link has the default rates again.
     pub fn restart(&mut self, time: Duration) {
         for link in &mut self.links {
-            link.schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
+            link.schedule = default_schedule(&self.settings, link.peer, time);
             link.noted_intervals.clear();
         }
         self.find_next_due();
@@ -235,7 +232,7 @@ impl Links {
     }
 
     fn add(&mut self, peer: PeerId, permanent: bool, heard: Duration, time: Duration) -> usize {
-        let schedule = Schedule::new(&self.settings.rates, self.settings.personality.rules(), time);
+        let schedule = default_schedule(&self.settings, peer, time);
         self.links.push(Link {
             peer,
             permanent,
@@ -335,6 +332,11 @@ impl Links {
     /// The time between two messages of a stream on one link; none if it is off.
     pub fn interval(&self, index: usize, stream: Stream) -> Option<Duration> {
         self.links[index].schedule.interval(stream)
+    }
+
+    /// The same, until somebody asks for another.
+    pub fn default_interval(&self, index: usize, stream: Stream) -> Option<Duration> {
+        default_interval(&self.settings, self.links[index].peer, stream)
     }
 
     /// The time between two messages of a stream on one link; none switches it off.
@@ -437,6 +439,20 @@ impl Links {
     fn find_next_due(&mut self) {
         self.next_due = self.links.iter().map(|link| link.schedule.next()).min().unwrap_or(Duration::MAX);
     }
+}
+
+/// The time between two messages of a stream on the link of a peer, until somebody asks for another.
+fn default_interval(settings: &VehicleSettings, peer: PeerId, stream: Stream) -> Option<Duration> {
+    let rules = settings.personality.rules();
+    let link_use = settings.link_uses.iter().find(|(address, _)| *address == peer);
+    match link_use.and_then(|(_, link_use)| (rules.link_rates)(*link_use)) {
+        Some(rates) => rates.iter().find(|(known, _)| *known == stream).and_then(|(_, rate_hz)| interval_of(*rate_hz)),
+        None => stream.default_interval(&settings.rates, rules),
+    }
+}
+
+fn default_schedule(settings: &VehicleSettings, peer: PeerId, time: Duration) -> Schedule {
+    Schedule::new(|stream| default_interval(settings, peer, stream), time)
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ use crate::autopilot::failsafe::battery::BatteryLevel;
 use crate::autopilot::fence::kinds::{CIRCLE, Kinds, MAX_ALTITUDE, POLYGON};
 use crate::autopilot::fence::monitor::FenceReport;
 use crate::autopilot::flight::Flight;
+use crate::autopilot::plan::PlanKind;
+use crate::firmware::offers::px4_streams;
 use crate::firmware::rules::{CommandSet, Rules};
 use crate::mode::Mode;
 use crate::parameters::Parameters;
@@ -27,7 +29,7 @@ use mavlink_bridge::dialect::{
     MavState, MavSysStatusSensor, MavSysStatusSensorExtended, MavType, Message, MissionState, RC_CHANNELS_DATA,
     SYS_STATUS_DATA,
 };
-use mavlink_bridge::{ArduPilotMessage, LatLonE7, boot_ms, local_position_ned, telemetry};
+use mavlink_bridge::{ArduPilotMessage, LatLonE7, PlanItem, boot_ms, local_position_ned, telemetry};
 use std::time::Duration;
 
 /// Everything that the messages are made of, at one moment.
@@ -74,8 +76,7 @@ impl Instruments<'_> {
     pub fn has(&self, stream: Stream) -> bool {
         match stream {
             Stream::FenceStatus => self.fence.is_enabled,
-            // A PX4 has a position setpoint in flight alone.
-            Stream::PositionTargetLocalNed if self.rules.commands == CommandSet::Px4 => self.flight.is_flying(),
+            _ if self.rules.commands == CommandSet::Px4 => px4_streams(self.autopilot, stream),
             _ => true,
         }
     }
@@ -144,6 +145,7 @@ impl Instruments<'_> {
             Stream::PositionTargetGlobalInt => self.position_target_global_int(),
             Stream::Altitude => self.altitude(),
             Stream::Odometry => self.odometry(),
+            Stream::CurrentMode => self.current_mode(),
             // What is only asked for; every stream is here or there.
             other => self.extra(other).unwrap_or_else(telemetry::protocol_version),
         }
@@ -259,14 +261,18 @@ impl Instruments<'_> {
 
     fn mission_current(&self) -> Message {
         let (mission, progress) = (self.autopilot.mission(), &self.autopilot.session.progress);
-        let is_flown = self.flight.mode() == Mode::Auto;
+        let as_px4 = self.rules.tells_mission_as_px4;
+        let mode = self.flight.mode();
+        let is_flown = mode == Mode::Auto || as_px4 && matches!(mode, Mode::Takeoff | Mode::Land);
+        let is_paused = progress.reached().is_some() || progress.has_begun() && progress.current() > 0;
+        let id = |kind| if as_px4 { checksum(self.autopilot.plan(kind)) } else { 0 };
         let mission_state = if !mission.is_flyable() {
             MissionState::MISSION_STATE_NO_MISSION
         } else if progress.is_complete() {
             MissionState::MISSION_STATE_COMPLETE
         } else if is_flown {
             MissionState::MISSION_STATE_ACTIVE
-        } else if self.rules.tells_paused_mission && progress.has_begun() {
+        } else if as_px4 && is_paused {
             MissionState::MISSION_STATE_PAUSED
         } else {
             MissionState::MISSION_STATE_NOT_STARTED
@@ -283,7 +289,9 @@ impl Instruments<'_> {
             mission_state,
             // An ArduPlane knows only whether it is flown.
             mission_mode: if is_flown { 1 } else { self.rules.mission_mode_suspended },
-            ..MISSION_CURRENT_DATA::DEFAULT
+            mission_id: id(PlanKind::Mission),
+            fence_id: id(PlanKind::Fence),
+            rally_points_id: id(PlanKind::Rally),
         })
     }
 
@@ -301,7 +309,7 @@ impl Instruments<'_> {
     fn status(&self) -> MavState {
         if self.autopilot.is_in_failsafe() {
             MavState::MAV_STATE_CRITICAL
-        } else if self.flight.is_flying() {
+        } else if self.flight.is_flying() || self.rules.is_active_once_armed && self.flight.is_armed() {
             MavState::MAV_STATE_ACTIVE
         } else {
             MavState::MAV_STATE_STANDBY
@@ -358,6 +366,22 @@ impl Instruments<'_> {
     fn battery_status(&self) -> Message {
         sensors::battery_status(sensors::Charge::of(self.world.battery(), self.parameters), self.battery_level())
     }
+}
+
+/// PX4's checksum of a plan, by which clients know whether theirs is on board (`crc32_for_mission_item`): CRC-32 over
+/// its items without the inversions at both ends; 0 of none.
+fn checksum(items: &[PlanItem]) -> u32 {
+    let mut crc = crc32fast::Hasher::new_with_initial(!0);
+    for item in items {
+        crc.update(&[item.frame]);
+        crc.update(&item.command.to_le_bytes());
+        crc.update(&[item.autocontinue]);
+        item.params.iter().for_each(|param| crc.update(&param.to_le_bytes()));
+        crc.update(&item.latitude_e7.to_le_bytes());
+        crc.update(&item.longitude_e7.to_le_bytes());
+        crc.update(&item.z_m.to_le_bytes());
+    }
+    !crc.finalize()
 }
 
 /// No more than there is: ground stations ask for what they are told of.

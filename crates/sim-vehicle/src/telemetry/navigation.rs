@@ -1,10 +1,12 @@
 //! Attitude and place in the forms that some clients ask for, and what the vehicle steers for.
 
 use super::Instruments;
+use crate::mode::Mode;
 use flight_model::State;
 use mavlink_bridge::dialect::{
-    ALTITUDE_DATA, ATTITUDE_QUATERNION_DATA, MavEstimatorType, MavFrame, Message, NAV_CONTROLLER_OUTPUT_DATA,
-    ODOMETRY_DATA, POSITION_TARGET_GLOBAL_INT_DATA, POSITION_TARGET_LOCAL_NED_DATA, PositionTargetTypemask as Mask,
+    ALTITUDE_DATA, ATTITUDE_QUATERNION_DATA, CURRENT_MODE_DATA, MavEstimatorType, MavFrame, Message,
+    NAV_CONTROLLER_OUTPUT_DATA, ODOMETRY_DATA, POSITION_TARGET_GLOBAL_INT_DATA, POSITION_TARGET_LOCAL_NED_DATA,
+    PositionTargetTypemask as Mask,
 };
 use mavlink_bridge::{LatLonE7, boot_ms};
 
@@ -47,6 +49,19 @@ impl Instruments<'_> {
             altitude_relative: relative_m,
             altitude_terrain: (amsl_m + self.flight.home().altitude_m) as f32,
             bottom_clearance: relative_m,
+        })
+    }
+
+    /// CURRENT_MODE (<https://mavlink.io/en/messages/common.html#CURRENT_MODE>): a failsafe stands between the mode
+    /// that is flown and the one that was meant.
+    pub(super) fn current_mode(&self) -> Message {
+        let mode = self.flight.mode();
+        let comes_back = self.autopilot.session.failsafes.streams.ends_with_setpoints();
+        let meant = if comes_back { Mode::Offboard } else { mode };
+        Message::CURRENT_MODE(CURRENT_MODE_DATA {
+            custom_mode: (self.rules.custom_mode)(mode),
+            intended_custom_mode: (self.rules.custom_mode)(meant),
+            standard_mode: self.rules.standard_mode(mode),
         })
     }
 

@@ -1,5 +1,14 @@
 //! How often a vehicle's messages come unasked.
 
+/// What a link of an autopilot's own simulator is for: each starts with rates of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkUse {
+    /// A program that flies the vehicle.
+    Companion,
+    /// Somebody who looks on and gives orders.
+    GroundStation,
+}
+
 /// Telemetry rates, Hz; 0 is off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TelemetryRates {

@@ -87,6 +87,7 @@ streams! {
     Airspeed = 295,
     ActuatorOutputStatus = 375,
     RelayStatus = 376,
+    CurrentMode = 436,
     AoaSsa = 11_020,
     LocalPositionNed = 32,
 }
@@ -134,9 +135,13 @@ impl Stream {
 
     /// The time between two messages by default; none if the stream is off.
     pub fn default_interval(self, rates: &TelemetryRates, rules: &Rules) -> Option<Duration> {
-        let rate_hz = self.default_rate_hz(&mut { *rates }, rules).map_or(0.0, |rate| *rate);
-        (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
+        interval_of(self.default_rate_hz(&mut { *rates }, rules).map_or(0.0, |rate| *rate))
     }
+}
+
+/// The time between two messages at a rate, Hz; none if it is 0.
+pub(crate) fn interval_of(rate_hz: f64) -> Option<Duration> {
+    (rate_hz > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate_hz).ok()).flatten().filter(|i| !i.is_zero())
 }
 
 /// ArduPlane's groups, by which REQUEST_DATA_STREAM and the MAV1_ parameters set rates.
@@ -194,8 +199,9 @@ pub(crate) struct Schedule {
 const _: () = assert!(Stream::COUNT <= 128);
 
 impl Schedule {
-    pub fn new(rates: &TelemetryRates, rules: &Rules, time: Duration) -> Self {
-        let interval = Stream::ALL.map(|stream| stream.default_interval(rates, rules));
+    /// With the times between two messages of each stream; none for what is off.
+    pub fn new(interval_of: impl Fn(Stream) -> Option<Duration>, time: Duration) -> Self {
+        let interval = Stream::ALL.map(interval_of);
         let due = interval.map(|interval| next_multiple(interval, time));
         let mut schedule = Self { interval, due, on: Vec::new(), next: Duration::MAX };
         schedule.find_on();
@@ -272,7 +278,8 @@ mod tests {
     #[test]
     fn the_rates_are_kept_without_drift() {
         let rates = TelemetryRates { attitude_hz: 30.0, ..TelemetryRates::default() };
-        let mut schedule = Schedule::new(&rates, Personality::ArduPlane.rules(), Duration::ZERO);
+        let rules = Personality::ArduPlane.rules();
+        let mut schedule = Schedule::new(|stream| stream.default_interval(&rates, rules), Duration::ZERO);
         let sent = due_in(&mut schedule, 0, 60_000);
         let count = |stream| sent.iter().filter(|(_, sent)| *sent == stream).count();
         assert_eq!(count(Stream::LocalPositionNed), 600);
@@ -286,7 +293,7 @@ mod tests {
 
     #[test]
     fn an_interval_can_be_set_and_switched_off() {
-        let mut schedule = Schedule::new(&TelemetryRates::OFF, Personality::Px4.rules(), Duration::ZERO);
+        let mut schedule = Schedule::new(|_| None, Duration::ZERO);
         assert_eq!(schedule.next(), Duration::MAX);
         schedule.set_interval(Stream::HomePosition, Some(Duration::from_millis(50)), Duration::from_millis(70));
         let times: Vec<u64> = due_in(&mut schedule, 70, 200).into_iter().map(|(time, _)| time).collect();

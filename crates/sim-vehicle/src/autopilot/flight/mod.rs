@@ -193,6 +193,11 @@ impl Flight {
         self.home
     }
 
+    /// The altitude that it is to have, m above the origin.
+    pub fn target_altitude_m(&self) -> f64 {
+        self.altitude.target
+    }
+
     /// How far it is from the altitude that it is to have, m.
     pub fn altitude_error_m(&self) -> f64 {
         (self.state.altitude_m - self.altitude.target).abs()

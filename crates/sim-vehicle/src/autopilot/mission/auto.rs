@@ -7,9 +7,9 @@ use super::items::{
 use super::legs::{AltitudeEnd, Leg, is_beyond};
 use super::loiter::{Exit, Goal, Loiter, PX4_ALTITUDE_M, Rules};
 use super::names;
-use crate::autopilot::Autopilot;
 use crate::autopilot::event::Event;
 use crate::autopilot::flight::tuning::TAKEOFF_TOLERANCE_M;
+use crate::autopilot::{Autopilot, MISSION_COMPLETE};
 use crate::error::{CommandError, Severity};
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
@@ -41,7 +41,7 @@ impl Autopilot {
         if self.rules.tells_next_flown_item && !self.leads_anywhere(seq) {
             if is_flown {
                 self.session.progress.complete();
-                self.end_mission("Mission complete");
+                self.end_mission(MISSION_COMPLETE);
             }
             return Err(CommandError::failed(format!("Mission: nothing to fly from item {seq} on")));
         }
@@ -116,7 +116,7 @@ impl Autopilot {
             }
             let Some(item) = self.mission.get(self.session.progress.current()).copied() else {
                 self.session.progress.complete();
-                self.end_mission("Mission complete");
+                self.end_mission(MISSION_COMPLETE);
                 return;
             };
             if matches!(self.session.progress.leg, Leg::Begin) {
@@ -157,6 +157,9 @@ impl Autopilot {
 
     /// Says in ArduPlane's words what AUTO has just done.
     fn tell_end_of_leg(&mut self, seq: u16) {
+        if !self.rules.words.narrates_missions {
+            return;
+        }
         let text = match self.session.progress.leg {
             Leg::Place { at, radius_m, .. } => {
                 let distance_m = self.flight.distance_m(at);
@@ -178,11 +181,26 @@ impl Autopilot {
     }
 
     pub(super) fn tell_reached(&mut self, seq: u16) {
+        self.session.progress.note_reached(seq, self.time);
         self.events.push(Event::ItemReached(seq));
     }
 
+    /// A PX4 tells the item that was reached last once a second, ten times more.
+    pub(crate) fn tell_reached_again(&mut self) {
+        const WHILE: Duration = Duration::from_secs(10);
+        if self.time.subsec_nanos() != 0 || !self.rules.repeats_reached {
+            return;
+        }
+        if let Some((seq, at)) = self.session.progress.reached() {
+            let since = self.time.saturating_sub(at);
+            if !since.is_zero() && since <= WHILE {
+                self.events.push(Event::ItemReached(seq));
+            }
+        }
+    }
+
     pub(super) fn tell_beginning(&mut self, seq: u16, item: &PlanItem) {
-        if let Some(text) = names::beginning(seq, item) {
+        if let Some(text) = names::beginning(seq, item).filter(|_| self.rules.words.narrates_missions) {
             self.say(Severity::Info, &text);
         }
     }
@@ -227,18 +245,19 @@ impl Autopilot {
         self.session.progress.leg = match item.command {
             WAYPOINT => {
                 let from = self.session.progress.from().unwrap_or_else(|| self.flight.here());
-                // Who gives a radius of its own has it flown to until it is reached.
-                let passes = self.rules.passes_waypoints && p2 <= 0.0;
+                // Who gives a radius of its own has it flown to until it is reached. To a PX4 it is a multicopter's.
                 let passes_by = self.loiter_rules() == Rules::ArduPlane;
+                let own_radius_m = if passes_by { p2 } else { 0.0 };
+                let passes = self.rules.passes_waypoints && own_radius_m <= 0.0;
                 let at = if passes_by { beyond(from, at, p3.clamp(0.0, 255.0)) } else { at };
                 self.flight.fly_leg(from, at, !passes);
                 self.flight.set_altitude(altitude_m, f64::INFINITY);
-                let radius_m = if p2 > 0.0 { p2 } else { f64::from(self.parameters.get(Parameter::WaypointRadius)) };
+                let radius_m = if own_radius_m > 0.0 { own_radius_m } else { self.acceptance_radius_m() };
                 // Past it already, it comes from where it is.
                 let here = self.flight.here();
                 let abeam_from = if is_beyond(here, from, at) { here } else { from };
                 let abeam_from = passes.then_some(abeam_from);
-                Leg::Place { at, radius_m, nearest_m: f64::INFINITY, abeam_from }
+                Leg::Place { at, radius_m, nearest_m: f64::INFINITY, abeam_from, ends_at_once: !passes_by }
             }
             LOITER_UNLIM => {
                 self.flight.circle_at(at, or_usual(p3));
@@ -275,8 +294,10 @@ impl Autopilot {
             }
             LAND => {
                 self.flight.land_at(at);
-                let height_m = self.flight.state().altitude_m - self.flight.home().altitude_m;
-                self.say(Severity::Info, &format!("Landing approach start at {height_m:.1}m"));
+                if self.rules.words.narrates_missions {
+                    let height_m = self.flight.state().altitude_m - self.flight.home().altitude_m;
+                    self.say(Severity::Info, &format!("Landing approach start at {height_m:.1}m"));
+                }
                 Leg::Landing
             }
             RETURN_TO_LAUNCH => {
@@ -316,7 +337,8 @@ impl Autopilot {
         let altitude_m = self.reference().altitude_of(item);
         let stay = Duration::try_from_secs_f32(item.params[0]).unwrap_or_default();
         let is_there = (self.flight.estimate().altitude_m - altitude_m).abs() <= PX4_ALTITUDE_M && stay.is_zero();
-        let exit = self.exit_of(self.session.progress.current(), true);
+        // One that only climbs there goes on from where it is, one that stays towards what comes next.
+        let exit = self.exit_of(self.session.progress.current(), !stay.is_zero());
         let radius_m = self.flight.tuning().loiter_radius_m;
         (!is_there)
             .then(|| self.circle_until(at, radius_m, altitude_m, Goal::AltitudeAndStayed(altitude_m, stay), exit))
@@ -326,10 +348,21 @@ impl Autopilot {
         let turn = if radius_m < 0.0 { -1.0 } else { 1.0 };
         let radius_m = self.flight.circle_at(at, radius_m);
         self.flight.set_altitude(altitude_m, f64::INFINITY);
-        let margin_m = f64::from(self.parameters.get(Parameter::WaypointRadius));
+        let margin_m = self.acceptance_radius_m();
         let mut loiter = Loiter::new(at, radius_m, turn, goal, exit, self.loiter_rules());
         (loiter.margin_m, loiter.altitude_m) = (margin_m, altitude_m);
         Leg::Circle(loiter)
+    }
+
+    /// How near to a place it must come, m. A PX4 counts a fixed wing as there from where it turns to what comes next
+    /// (`DirectionalGuidance::switchDistance`: NPFG_SW_DST_MLT 0.32 of NPFG_PERIOD 10 s and NPFG_DAMPING 0.7).
+    fn acceptance_radius_m(&self) -> f64 {
+        const SWITCH_S: f64 = 0.32 * 10.0 * 0.7;
+        let least_m = f64::from(self.parameters.get(Parameter::WaypointRadius));
+        match self.loiter_rules() {
+            Rules::ArduPlane => least_m,
+            Rules::Px4 => least_m.max(SWITCH_S * self.flight.estimate().speed_mps),
+        }
     }
 
     fn loiter_rules(&self) -> Rules {

@@ -14,7 +14,14 @@ pub(super) enum Leg {
     Begin,
     /// To be so near to a place, and not to come nearer: `nearest_m` is how near it has come. Or to be abeam of it, as
     /// seen on the way from a place where that counts.
-    Place { at: Vector2<f64>, radius_m: f64, nearest_m: f64, abeam_from: Option<Vector2<f64>> },
+    Place {
+        at: Vector2<f64>,
+        radius_m: f64,
+        nearest_m: f64,
+        abeam_from: Option<Vector2<f64>>,
+        /// Whether it is over within the radius, and not where it is nearest.
+        ends_at_once: bool,
+    },
     /// To be at an altitude, or not below it, or not above it, m above the origin.
     Altitude(f64, AltitudeEnd),
     /// To circle.
@@ -52,11 +59,11 @@ impl Leg {
         }
         match self {
             Leg::Begin | Leg::Forever | Leg::Landing => false,
-            Leg::Place { at, radius_m, nearest_m, abeam_from } => {
+            Leg::Place { at, radius_m, nearest_m, abeam_from, ends_at_once } => {
                 // Who sees the vehicle a few times a second must see it within the radius: the item ends where it is
                 // nearest.
                 let distance_m = (state.position_m() - *at).norm();
-                let recedes = distance_m >= *nearest_m;
+                let recedes = *ends_at_once || distance_m >= *nearest_m;
                 *nearest_m = nearest_m.min(distance_m);
                 (distance_m <= *radius_m && recedes)
                     || abeam_from.is_some_and(|from| is_beyond(state.position_m(), from, *at))

@@ -6,6 +6,7 @@ use super::items::is_flown_to;
 use super::legs::Leg;
 use super::loiter::Loiter;
 use nalgebra::Vector2;
+use std::time::Duration;
 
 /// How far AUTO has come.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +25,8 @@ pub(crate) struct Progress {
     /// The place of the item before the current one, (north, east) in m: the leg begins there.
     from: Option<Vector2<f64>>,
     pub(super) leg: Leg,
+    /// The item that was reached last, and when.
+    reached: Option<(u16, Duration)>,
     /// Commands that wait for a condition.
     waiting: Option<Waiting>,
 }
@@ -47,6 +50,15 @@ impl Progress {
     pub fn start_at(&mut self, seq: u16, mission: &Mission) {
         let current = seq.min(mission.len().saturating_sub(1));
         *self = Self { current, told_as: Some(current), ..Self::at_beginning(mission) };
+    }
+
+    pub(super) fn note_reached(&mut self, seq: u16, time: Duration) {
+        self.reached = Some((seq, time));
+    }
+
+    /// The item that was reached last, and when.
+    pub fn reached(&self) -> Option<(u16, Duration)> {
+        self.reached
     }
 
     /// How often a jump has been made.

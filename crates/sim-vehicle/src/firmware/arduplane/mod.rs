@@ -9,6 +9,7 @@ pub(super) mod targets;
 
 use super::px4;
 use super::rules::{CommandSet, Rules, TargetSet};
+use super::words;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use crate::telemetry::streams::Stream;
@@ -29,6 +30,7 @@ pub(super) const RULES: Rules = Rules {
     has_standard_modes: false,
     first_mode: |mode, _| mode,
     mode_after_mission: Mode::Rtl,
+    is_active_once_armed: false,
     tells_mode_at_once: true,
     returns_without_mission: true,
 
@@ -40,6 +42,7 @@ pub(super) const RULES: Rules = Rules {
     home_is_above_sea: false,
     has_ardupilot_commands: true,
 
+    words: words::ARDUPLANE,
     fence_forbids_arming: true,
     fence_action,
     tells_arming_reason: true,
@@ -59,8 +62,9 @@ pub(super) const RULES: Rules = Rules {
     upload_can_be_broken_off: false,
     asks_by_old_message: true,
     tells_next_flown_item: true,
-    tells_paused_mission: false,
+    tells_mission_as_px4: false,
     mission_mode_suspended: 0,
+    repeats_reached: false,
 
     has_parameter: |parameter: Parameter| !px4::parameters::OWN_PARAMETERS.contains(&parameter),
     parameter: |parameter| (parameter.name(), parameter.kind()),
@@ -73,6 +77,7 @@ pub(super) const RULES: Rules = Rules {
     has_parameter_hash: false,
     // Of the sticks it tells unasked.
     more_streams: &[(Stream::RcChannels, |rates| &mut rates.sys_status_hz)],
+    link_rates: |_| None,
 };
 
 /// FENCE_ACTION.

@@ -10,6 +10,7 @@
 use super::modes::{MODES, SELECTABLE, mode_name};
 use super::{params, preflight};
 use crate::autopilot::Autopilot;
+use crate::autopilot::arming::Cause;
 use crate::autopilot::habits::ends_a_flight;
 use crate::autopilot::home::Home;
 use crate::autopilot::input::{angle_rad, check_finite, integer};
@@ -36,8 +37,8 @@ pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command)
     Some(match command.command {
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => arm_or_disarm(autopilot, p1, p2),
         MavCmd::MAV_CMD_DO_SET_MODE => commanded_mode([p1, p2, p3]).and_then(|mode| change_mode(autopilot, mode)),
-        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => change_mode(autopilot, Mode::Rtl),
-        MavCmd::MAV_CMD_NAV_LAND => change_mode(autopilot, Mode::Land),
+        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => go_home(autopilot, Mode::Rtl, "Returning to launch"),
+        MavCmd::MAV_CMD_NAV_LAND => go_home(autopilot, Mode::Land, "Landing at current position"),
         MavCmd::MAV_CMD_NAV_TAKEOFF => take_off(autopilot, command.z),
         MavCmd::MAV_CMD_MISSION_START => start_mission(autopilot, p1),
         MavCmd::MAV_CMD_DO_REPOSITION => reposition(autopilot, command),
@@ -61,17 +62,23 @@ pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command)
     })
 }
 
+/// Neither of these modes is ever refused.
+fn go_home(autopilot: &mut Autopilot, mode: Mode, text: &str) -> Result<(), CommandError> {
+    autopilot.say(Severity::Info, text);
+    change_mode(autopilot, mode)
+}
+
 fn arm_or_disarm(autopilot: &mut Autopilot, p1: f32, p2: f32) -> Result<(), CommandError> {
     check_finite("Arm", &[p1])?;
     match p1.round() as i64 {
         1 if autopilot.flight.is_armed() => Ok(()),
-        1 => arm(autopilot),
+        1 => arm(autopilot, Cause::Command),
         0 if autopilot.flight.is_armed() && autopilot.flight.is_flying() && p2 != FORCE => {
             Err(CommandError::rejected("Disarming denied: not landed"))
         }
         0 => {
             if autopilot.flight.is_armed() {
-                autopilot.disarm();
+                autopilot.disarm(Cause::Command);
             }
             Ok(())
         }
@@ -83,7 +90,7 @@ fn arm_or_disarm(autopilot: &mut Autopilot, p1: f32, p2: f32) -> Result<(), Comm
 }
 
 /// PX4 checks what it is told from outside even where that is by force.
-fn arm(autopilot: &mut Autopilot) -> Result<(), CommandError> {
+fn arm(autopilot: &mut Autopilot, cause: Cause) -> Result<(), CommandError> {
     let reason = match autopilot.mode() {
         Mode::Offboard if !autopilot.has_offboard_stream() => Some("No offboard signal"),
         Mode::Auto if !autopilot.mission().is_flyable() => Some("No valid mission available"),
@@ -94,7 +101,7 @@ fn arm(autopilot: &mut Autopilot) -> Result<(), CommandError> {
     if let Some(reason) = reason {
         return Err(CommandError::rejected(format!("Arming denied: {reason}")));
     }
-    autopilot.arm();
+    autopilot.arm(cause);
     if let Some(altitude_m) =
         autopilot.session.habits.take_takeoff_altitude_m().filter(|_| autopilot.mode() == Mode::Takeoff)
     {
@@ -119,7 +126,7 @@ pub(in crate::firmware) fn change_mode(autopilot: &mut Autopilot, mode: Mode) ->
     };
     if autopilot.flight.is_armed() && !can_run {
         let name = mode_name(mode);
-        return Err(CommandError::rejected(format!("{name} is currently not available")));
+        return Err(CommandError::rejected(format!("Switching to {name} is currently not available")));
     }
     if !ends_a_flight(mode) && mode != Mode::Takeoff {
         autopilot.session.habits.restore_later(mode);
@@ -138,6 +145,8 @@ fn take_off(autopilot: &mut Autopilot, z: f32) -> Result<(), CommandError> {
     autopilot.session.habits.set_takeoff_altitude_m(None);
     let here_m = autopilot.flight.state().altitude_m;
     if z.is_nan() {
+        let usual_m = autopilot.parameters.get(Parameter::TakeoffAltitude);
+        autopilot.say(Severity::Info, &format!("Using default takeoff altitude: {usual_m:.1} m"));
         return Ok(());
     }
     if altitude_m <= here_m {
@@ -162,7 +171,7 @@ fn start_mission(autopilot: &mut Autopilot, p1: f32) -> Result<(), CommandError>
         autopilot.set_current_mission_item([p1, 1.0])?;
     }
     change_mode(autopilot, Mode::Auto)?;
-    if autopilot.flight.is_armed() { Ok(()) } else { arm(autopilot) }
+    if autopilot.flight.is_armed() { Ok(()) } else { arm(autopilot, Cause::MissionStart) }
 }
 
 /// DO_LAND_START: the mission, from its landing on.
@@ -172,7 +181,7 @@ fn start_landing(autopilot: &mut Autopilot) -> Result<(), CommandError> {
     };
     autopilot.set_current_item(seq, true)?;
     change_mode(autopilot, Mode::Auto)?;
-    if autopilot.flight.is_armed() { Ok(()) } else { arm(autopilot) }
+    if autopilot.flight.is_armed() { Ok(()) } else { arm(autopilot, Cause::MissionStart) }
 }
 
 /// DO_SET_HOME. Param 1: 1 for where it is; else a place above sea level in any frame, all of it given.

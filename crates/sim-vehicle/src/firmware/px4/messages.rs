@@ -24,6 +24,16 @@ pub(in crate::firmware) fn offer(message_id: u32) -> Offer {
     }
 }
 
+/// Whether a message that is due is sent: what it steers for is told on the ground too, though not when it is asked
+/// for; a wind is known in the air alone.
+pub(in crate::firmware) fn streams(autopilot: &Autopilot, stream: Stream) -> bool {
+    match stream {
+        Stream::PositionTargetLocalNed => true,
+        Stream::WindCov => autopilot.flight.is_flying(),
+        other => has(autopilot, other),
+    }
+}
+
 /// Whether a message has content: no place to fly to is told on the ground, and sticks that nobody holds.
 pub(in crate::firmware) fn has(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {

@@ -53,6 +53,45 @@ pub(in crate::firmware) fn check(kind: PlanKind, item: &PlanItem, by_integers: b
     }
 }
 
+/// An item as it is told again: what a PX4 keeps of it (`format_mavlink_mission_item`). Frames are those of the message
+/// that it is told by.
+pub(in crate::firmware) fn as_kept(kind: PlanKind, item: &PlanItem, by_integers: bool) -> PlanItem {
+    let [p1, p2, p3, p4] = item.params;
+    if item.frame == MISSION_FRAME {
+        let command = match item.command {
+            80 => 201,
+            112 => 93,
+            other => other,
+        };
+        let params = if command == 177 { [p1.trunc(), p2.trunc(), p3, p4] } else { item.params };
+        return PlanItem { command, params, ..*item };
+    }
+    let yaw_deg = p4.rem_euclid(360.0);
+    let switch = |param: f32| f32::from(u8::from(param > 0.0));
+    let params = match item.command {
+        16 => [p1, p2, 0.0, yaw_deg],
+        17 => [0.0, 0.0, p3, yaw_deg],
+        19 => [p1, switch(p2), p3, switch(p4)],
+        21 => [p1, p2, 0.0, yaw_deg],
+        22 | 84 | 85 => [0.0, 0.0, 0.0, yaw_deg],
+        31 => [switch(p1), p2, 0.0, switch(p4)],
+        5001 | 5002 => [(p1 + 0.5).trunc(), 0.0, 0.0, 0.0],
+        5003 | 5004 => [p1, 0.0, 0.0, 0.0],
+        _ => [0.0; 4],
+    };
+    // Of a fence neither what its altitudes are above nor whether it goes on is kept.
+    let is_fence = kind == PlanKind::Fence;
+    let is_relative = matches!(item.frame, 3 | 6) && !is_fence;
+    let frame = match (is_relative, by_integers) {
+        (true, true) => 6,
+        (true, false) => 3,
+        (false, true) => 5,
+        (false, false) => 0,
+    };
+    let command = if item.command == 80 { 201 } else { item.command };
+    PlanItem { params, frame, command, autocontinue: if is_fence { 0 } else { item.autocontinue }, ..*item }
+}
+
 /// MAV_ROI of param 1: a location or none with a place; none, the next waypoint or a waypoint without.
 fn check_region(mode: f32, has_place: bool) -> Result<(), PlanError> {
     let known: &[i32] = if has_place { &[0, 3] } else { &[0, 1, 2] };
@@ -121,6 +160,21 @@ mod tests {
             assert_eq!(check(PlanKind::Mission, &item, true).err(), result, "{item:?}");
         }
         assert_eq!(check(PlanKind::Mission, &PlanItem { frame: 6, ..POINT }, false), Err(PlanError::UnsupportedFrame));
+    }
+
+    #[test]
+    fn an_item_is_told_as_it_is_kept() {
+        let item = |command, params, frame| PlanItem { command, params, frame, ..POINT };
+        for (kind, given, told) in [
+            (PlanKind::Mission, item(16, [1.0, 2.0, 3.0, -90.0], 3), item(16, [1.0, 2.0, 0.0, 270.0], 6)),
+            (PlanKind::Mission, item(19, [5.0, 7.0, -60.0, 0.0], 0), item(19, [5.0, 1.0, -60.0, 0.0], 5)),
+            (PlanKind::Mission, item(112, [5.0, 0.0, 0.0, 0.0], 2), item(93, [5.0, 0.0, 0.0, 0.0], 2)),
+            (PlanKind::Rally, item(5100, [9.0; 4], 6), item(5100, [0.0; 4], 6)),
+        ] {
+            assert_eq!(as_kept(kind, &given, true), told);
+        }
+        let fence = as_kept(PlanKind::Fence, &item(5003, [80.0, 0.0, 0.0, 0.0], 3), false);
+        assert_eq!((fence.frame, fence.autocontinue, fence.params[0]), (0, 0, 80.0));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! What it watches over is in `autopilot/failsafe/streams.rs`, what it does by itself in `autopilot/habits.rs`.
 
 pub(super) mod commands;
+mod link_rates;
 pub(super) mod messages;
 pub(super) mod mission_items;
 pub(super) mod modes;
@@ -13,6 +14,7 @@ pub(super) mod preflight;
 
 use super::arduplane;
 use super::rules::{CommandSet, Rules, TargetSet};
+use super::words;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use crate::telemetry::streams::Stream;
@@ -33,6 +35,7 @@ pub(super) const RULES: Rules = Rules {
     has_standard_modes: true,
     first_mode,
     mode_after_mission: Mode::Loiter,
+    is_active_once_armed: true,
     // It does not tell before its next heartbeat.
     tells_mode_at_once: false,
     returns_without_mission: false,
@@ -45,6 +48,7 @@ pub(super) const RULES: Rules = Rules {
     home_is_above_sea: true,
     has_ardupilot_commands: false,
 
+    words: words::PX4,
     fence_forbids_arming: false,
     fence_action,
     tells_arming_reason: false,
@@ -60,11 +64,11 @@ pub(super) const RULES: Rules = Rules {
     return_item_stays_current: false,
     nan_params_are_left_out: true,
     stores_turns_in_bytes: false,
-    passes_waypoints: false,
     asks_by_old_message: false,
     tells_next_flown_item: false,
-    tells_paused_mission: true,
+    tells_mission_as_px4: true,
     mission_mode_suspended: 2,
+    repeats_reached: true,
 
     renamed_parameters: &[],
     has_parameter: |parameter| !parameters::ABSENT_PARAMETERS.contains(&parameter),
@@ -74,6 +78,10 @@ pub(super) const RULES: Rules = Rules {
         // Its fence counts as soon as it is uploaded.
         (Parameter::FenceEnable, 1.0),
         (Parameter::FenceAction, 2.0),
+        // What airframes of fixed wings set (`rc.fw_defaults`).
+        (Parameter::WaypointRadius, 10.0),
+        (Parameter::TakeoffAltitude, 25.0),
+        (Parameter::PreflightDisarmDelay, -1.0),
     ],
     bytewise_parameters: true,
     parameter_names_have_case: true,
@@ -91,6 +99,7 @@ pub(super) const RULES: Rules = Rules {
         (Stream::EstimatorStatus, |rates| &mut rates.home_position_hz),
         (Stream::Vibration, |rates| &mut rates.home_position_hz),
     ],
+    link_rates: link_rates::of,
     ..arduplane::RULES
 };
 

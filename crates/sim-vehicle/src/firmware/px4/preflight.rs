@@ -82,7 +82,11 @@ fn calibrate(autopilot: &mut Autopilot, command: &Command) -> Result<(), Command
         (1, ..) => begin_calibration(autopilot, "gyro"),
         (_, 1, ..) => fail_calibration(autopilot, "mag", "the vehicle cannot be turned by hand"),
         (_, _, 1, ..) => begin_calibration(autopilot, "baro"),
-        (_, _, _, 1 | 2, ..) => Err(unsupported("There is no radio to calibrate")),
+        (_, _, _, 1, ..) => {
+            autopilot.say(Severity::Info, "Calibration: Disabling RC input");
+            Ok(())
+        }
+        (_, _, _, 2, ..) => fail_calibration(autopilot, "trim", "no inputs, aborting"),
         (_, _, _, _, 1, ..) => fail_calibration(autopilot, "accel", "the vehicle cannot be turned by hand"),
         (_, _, _, _, 2, ..) => begin_calibration(autopilot, "level"),
         (_, _, _, _, 4, ..) => begin_calibration(autopilot, "accel"),

@@ -46,7 +46,7 @@ pub(crate) fn set_message_interval(
         }
         Offer::Sent(stream) => {
             let interval = match rate {
-                Rate::Default => stream.default_interval(&component.settings.rates, component.autopilot.rules()),
+                Rate::Default => component.peers().default_interval(link, stream),
                 Rate::Never => None,
                 Rate::Every(interval) => Some(interval),
             };

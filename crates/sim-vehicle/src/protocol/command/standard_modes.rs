@@ -5,12 +5,10 @@ use super::request::Command;
 use crate::autopilot::input::integer;
 use crate::error::CommandError;
 use crate::firmware::answers;
-use crate::firmware::rules::Rules;
 use crate::mode::Mode;
 use crate::telemetry::announce::Component;
-use mavlink_bridge::dialect::{
-    AVAILABLE_MODES_DATA, CURRENT_MODE_DATA, MavCmd, MavModeProperty, MavStandardMode, Message,
-};
+use crate::telemetry::streams::Stream;
+use mavlink_bridge::dialect::{AVAILABLE_MODES_DATA, MavCmd, MavModeProperty, Message};
 
 /// DO_SET_STANDARD_MODE, and REQUEST_MESSAGE for AVAILABLE_MODES and CURRENT_MODE.
 pub(crate) fn execute(component: &mut Component, command: &Command, link: usize) -> Option<Result<(), CommandError>> {
@@ -25,8 +23,7 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
             }
             Ok(AVAILABLE_MODES) => Some(send_available_modes(component, link, integer(p2))),
             Ok(CURRENT_MODE) => {
-                let mode = current_mode(component);
-                component.links().send(link, &mode);
+                component.send_stream(link, Stream::CurrentMode);
                 Some(Ok(()))
             }
             _ => None,
@@ -37,7 +34,7 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
 
 fn set_standard_mode(component: &mut Component, number: f32) -> Result<(), CommandError> {
     let rules = component.autopilot.rules();
-    let standard = |mode: &Mode| standard_mode(rules, *mode) as i64;
+    let standard = |mode: &Mode| rules.standard_mode(*mode) as i64;
     let asked = number.round() as i64;
     match rules.modes.iter().find(|mode| asked != 0 && standard(mode) == asked) {
         Some(&mode) => answers::change_mode(&mut component.autopilot, mode),
@@ -62,38 +59,12 @@ fn send_available_modes(component: &mut Component, link: usize, index: i64) -> R
             properties,
             number_modes: modes.len() as u8,
             mode_index: index as u8,
-            standard_mode: standard_mode(rules, mode),
+            standard_mode: rules.standard_mode(mode),
             mode_name: (rules.mode_name)(mode).into(),
         };
         component.links().send(link, &Message::AVAILABLE_MODES(available));
     }
     Ok(())
-}
-
-fn current_mode(component: &Component) -> Message {
-    let (rules, mode) = (component.autopilot.rules(), component.autopilot.mode());
-    // A failsafe stands between the mode that is flown and the one that was meant.
-    let comes_back = component.autopilot.session.failsafes.streams.ends_with_setpoints();
-    let meant = if comes_back { Mode::Offboard } else { mode };
-    Message::CURRENT_MODE(CURRENT_MODE_DATA {
-        custom_mode: (rules.custom_mode)(mode),
-        intended_custom_mode: (rules.custom_mode)(meant),
-        standard_mode: standard_mode(rules, mode),
-    })
-}
-
-/// Some autopilots have only modes of their own.
-fn standard_mode(rules: &Rules, mode: Mode) -> MavStandardMode {
-    match mode {
-        _ if !rules.has_standard_modes => MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
-        Mode::Cruise => MavStandardMode::MAV_STANDARD_MODE_CRUISE,
-        Mode::Fbwb => MavStandardMode::MAV_STANDARD_MODE_ALTITUDE_HOLD,
-        Mode::Rtl => MavStandardMode::MAV_STANDARD_MODE_SAFE_RECOVERY,
-        Mode::Auto => MavStandardMode::MAV_STANDARD_MODE_MISSION,
-        Mode::Land => MavStandardMode::MAV_STANDARD_MODE_LAND,
-        Mode::Takeoff => MavStandardMode::MAV_STANDARD_MODE_TAKEOFF,
-        _ => MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
-    }
 }
 
 const AVAILABLE_MODES: u32 = 435;
@@ -108,7 +79,7 @@ mod tests {
     #[test]
     fn the_ids_are_the_dialects() {
         assert_eq!(Message::AVAILABLE_MODES(AVAILABLE_MODES_DATA::DEFAULT).message_id(), AVAILABLE_MODES);
-        assert_eq!(Message::CURRENT_MODE(CURRENT_MODE_DATA::DEFAULT).message_id(), CURRENT_MODE);
+        assert_eq!(Stream::CurrentMode.message_id(), CURRENT_MODE);
     }
 
     #[test]

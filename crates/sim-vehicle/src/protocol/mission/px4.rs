@@ -9,6 +9,7 @@ use super::check::{check, items_max, kind_of, refusal, result_of};
 use super::upload::{item_request, read_item};
 use crate::autopilot::plan::PlanKind;
 use crate::error::Severity;
+use crate::firmware::answers::told_plan_item;
 use crate::links::PeerId;
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
@@ -226,6 +227,8 @@ impl MissionService {
         };
         transfer.next = seq + 1;
         transfer.sent = component.host_now;
+        let by_integers = item_kind == ItemKind::Int;
+        let item = plan.map_or(item, |kind| told_plan_item(component.autopilot.rules(), kind, &item, by_integers));
         let is_current = plan == Some(PlanKind::Mission) && seq == component.autopilot.session.progress.told();
         component.links().send_plan_item(
             said.link,

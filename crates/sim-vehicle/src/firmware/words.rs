@@ -1,0 +1,59 @@
+//! What an autopilot says of what it does by itself, in its own words.
+
+use crate::autopilot::arming::Cause;
+
+/// The words of one autopilot.
+#[derive(Debug)]
+pub(crate) struct Words {
+    pub armed: fn(Cause) -> &'static str,
+    pub disarmed: fn(Cause) -> &'static str,
+    /// What follows when a landing has disarmed it.
+    pub disarmed_after_landing: Option<&'static str>,
+    /// That it has left the ground, and that it is back on it.
+    pub contact: Option<[&'static str; 2]>,
+    /// That a mission begins.
+    pub mission_begins: Option<&'static str>,
+    /// That it returns: at which altitude, in whole metres above the sea and above where it returns to.
+    pub returns: Option<fn(i64, i64) -> String>,
+    /// Whether each item of a mission is told when it begins and when it ends.
+    pub narrates_missions: bool,
+    /// That a mission is over: why, whether it is on the ground, and the name of the mode that follows.
+    pub mission_ends: fn(&str, bool, &str) -> String,
+}
+
+pub(super) const ARDUPLANE: Words = Words {
+    armed: |_| "Throttle armed",
+    disarmed: |_| "Throttle disarmed",
+    disarmed_after_landing: Some("Auto disarmed"),
+    contact: None,
+    mission_begins: None,
+    returns: None,
+    narrates_missions: true,
+    mission_ends: |why, _, next| format!("{why}, changing mode to {next}"),
+};
+
+/// `Commander.cpp` and `mission_base.cpp`.
+pub(super) const PX4: Words = Words {
+    armed: |cause| match cause {
+        Cause::MissionStart => "Armed by mission start",
+        Cause::Command | Cause::Landing | Cause::Idle => "Armed by external command",
+    },
+    disarmed: |cause| match cause {
+        Cause::Landing => "Disarmed by landing",
+        Cause::Idle => "Disarmed by auto preflight disarming",
+        Cause::Command | Cause::MissionStart => "Disarmed by external command",
+    },
+    disarmed_after_landing: None,
+    contact: Some(["Takeoff detected", "Landing detected"]),
+    mission_begins: Some("Executing Mission"),
+    returns: Some(|sea_m, above_m| format!("RTL: start return at {sea_m} m ({above_m} m above destination)")),
+    narrates_missions: false,
+    mission_ends: |why, is_on_ground, _| {
+        let text = match (why == crate::autopilot::MISSION_COMPLETE, is_on_ground) {
+            (true, true) => "Mission finished, landed",
+            (true, false) => "Mission finished, loitering",
+            (false, _) => "No valid mission available, loitering",
+        };
+        text.into()
+    },
+};
