@@ -6,7 +6,9 @@ import subprocess
 
 from chromium import address_in, browser, open_page, until  # noqa: F401: fixtures
 from conftest import free_port
-from ground import LOITER, RTL
+from ground import GUIDED, LOITER, RTL
+from plans import FENCE, Uploader, item
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from test_station import field, start_fly, told  # noqa: F401
 
 FLOCK = "(() => columba.stage.flock.n === {})()"
@@ -76,6 +78,13 @@ def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, sta
     page.wait_for_selector(".row >> nth=1")
     page.click(".row >> nth=1")
     page.click("#tab-selected")
+    # One alone holds, and flies on with the others.
+    page.click("#orders-one [data-verb='pause N']")
+    second.wait(["HEARTBEAT"], lambda message: second.is_ours(message) and message.custom_mode == LOITER, patience_s=60)
+    page.wait_for_selector("#answer:has-text('pause 2')")
+    assert page.inner_text("#phase") == "fly", "the others fly on"
+    page.click("#orders-one [data-verb='resume N']")
+    second.wait(["HEARTBEAT"], lambda message: second.is_ours(message) and message.custom_mode == GUIDED, patience_s=60)
     page.click("#orders-one [data-verb='drop N']")
     assert not told_of_drop(page), "the first step does nothing"
     page.click("dialog [data-say='drop N']")
@@ -90,11 +99,68 @@ def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, sta
     run = controller.end()
     assert run.status == 1 and "aborted by the operator" in run.errors
     assert told(run, "the operator says abort loiter (on the page, 127.0.0.1:")
+    assert told(run, "the operator says pause 2 (on the page, 127.0.0.1:")
     assert told(run, "the page refused requests: 1 without the token")
 
 
 def told_of_drop(page):
     return page.evaluate("columba.events.some((event) => event.text.includes('dropped'))")
+
+
+def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page, program, tmp_path):
+    words = [program, "run", "--speed", "1", "--view", "--no-report", "--out", tmp_path / "run", "--vehicle-port", str(free_port())]
+    run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+    try:
+        page = open_page(address_in(run.stderr.readline()))
+        wait_for_vehicles(page, 5)
+        page.click(".row >> nth=2")
+        page.click("#tab-selected")
+        page.wait_for_selector("#choice h3:has-text('MSLPIO at')")
+        until(page, "columba.choices.shown()?.at_s > 4")
+        # Other members of the front can be looked at by the keyboard, and their weights are said.
+        page.focus("#choice .front")
+        page.keyboard.press("ArrowRight")
+        page.wait_for_selector("#choice .note:has-text('hosen: formation')")
+        # What was chosen before the vehicle was selected is remembered, too.
+        page.evaluate("columba.player.toggle(); columba.player.seek(2.2)")
+        until(page, "columba.choices.shown()?.at_s === 2")
+        page.wait_for_selector("#choice h3:has-text('MSLPIO at 2.0 s')")
+        off_m = (
+            "(() => { const c = columba.choices.shown(), [x, y] = c.members[c.chosen].path_m[0];"
+            " return Math.hypot(x - columba.stage.flock.x[2], y - columba.stage.flock.y[2]); })()"
+        )
+        assert page.evaluate(off_m) < 8, "its way begins where it was"
+    finally:
+        run.kill()
+        run.wait()
+
+
+def test_fences_and_missions_are_in_the_picture(open_page, start_vehicles, scenario, program):
+    port = free_port()
+    vehicles = start_vehicles(scenario(count=2), "--view", ground_port=port)
+    first = vehicles.connect()[0]
+    corners = [(-500, -500), (-500, 500), (500, 500), (500, -500)]
+    stay_in = mavlink.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+    fence = [item(stay_in, north, east, 0, p1=4) for north, east in corners]
+    assert Uploader(first.link, first.system, FENCE).upload(fence) == mavlink.MAV_MISSION_ACCEPTED
+    mission = [item(mavlink.MAV_CMD_NAV_WAYPOINT, north) for north in (0, 100, 200)]
+    assert Uploader(first.link, first.system).upload(mission) == mavlink.MAV_MISSION_ACCEPTED
+    words = [program, "view", "--plans", "--link", f"udpin:127.0.0.1:{port}"]
+    viewer = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+    try:
+        lines = "columba.stage.scene.outlines.filter((line) => line.kind === '{}').map((line) => line.points_m)"
+        # The program knows the plans of its own vehicles, and another one asks for them.
+        for address in (address_in(vehicles.errors), address_in(viewer.stderr.readline())):
+            page = open_page(address)
+            wait_for_vehicles(page, 2)
+            until(page, f"{lines.format('fence')}.length === 1 && {lines.format('mission')}.some((way) => way.length === 3)")
+            way = page.evaluate(f"{lines.format('mission')}.find((way) => way.length === 3)")
+            assert abs(way[2][0] - way[0][0] - 200) < 1 and abs(way[2][2] - 60) < 0.1
+            assert len(page.evaluate(lines.format("fence"))[0]) == 4
+            until(page, f"{lines.format('home')}.length > 0")
+    finally:
+        viewer.send_signal(signal.SIGINT)
+        assert viewer.wait(timeout=30) == 0
 
 
 def test_a_log_is_played_back_and_scrubbed(open_page, flown, program):

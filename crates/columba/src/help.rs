@@ -94,6 +94,8 @@ Examples:
       whoever sends telemetry to UDP 14550
   columba view --link tcp:127.0.0.1:5760 --link udpin:127.0.0.1:14560
       two links on one page
+  columba view --plans --link tcp:127.0.0.1:5760
+      Draws missions, fences, rally points and homes too: asks each autopilot once.
   columba view --silent --link udpin:0.0.0.0:14550
       from other machines too, and nothing is sent to them
   columba view runs/paper/flight.tlog

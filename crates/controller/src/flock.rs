@@ -3,7 +3,7 @@
 use crate::forecast::{Craft, Forecast, LawContext};
 use crate::neighbours::Neighbours;
 use crate::pilot::{Pilot, Surroundings};
-use crate::{Decision, FlockError, FlockSettings, ForecastKind, Obstacle};
+use crate::{Decision, FlockError, FlockSettings, ForecastKind, Insight, Obstacle};
 use flight_model::{State, Wind};
 use rayon::prelude::*;
 use std::time::Duration;
@@ -89,6 +89,19 @@ impl Flock {
     pub fn set_winds(&mut self, winds: impl IntoIterator<Item = Wind>) {
         self.outlook.winds.clear();
         self.outlook.winds.extend(winds);
+    }
+
+    /// Of which vehicles the next ticks tell what their optimiser had to choose from; none by default. Decisions are
+    /// the same with and without.
+    pub fn watch(&mut self, vehicles: &[usize]) {
+        for (vehicle, pilot) in self.pilots.iter_mut().enumerate() {
+            pilot.watch(vehicles.contains(&vehicle));
+        }
+    }
+
+    /// What the optimisers of the watched vehicles had to choose from at the last tick, with the vehicles' indices.
+    pub fn insights(&self) -> impl Iterator<Item = (usize, &Insight)> {
+        self.pilots.iter().enumerate().filter_map(|(vehicle, pilot)| Some((vehicle, pilot.insight()?)))
     }
 
     /// Algorithm 2 for one control period: a decision for each vehicle, in the order of `states`.
@@ -191,6 +204,7 @@ impl Flock {
             if let (Some(changed), Some(state)) = (pilot.reconsider(&around, vehicle, *decision), states.get(vehicle)) {
                 *decision = changed;
                 self.outlook.forecast.fly_again(&context, vehicle, state, changed.setpoint, changed.weights);
+                pilot.evaded(self.outlook.forecast.vehicle(vehicle));
             }
         }
     }

@@ -27,6 +27,7 @@ mod evasion;
 mod field;
 mod flock;
 mod forecast;
+mod insight;
 mod law;
 mod look_ahead;
 mod neighbours;
@@ -40,6 +41,7 @@ pub mod terms;
 pub use decision::{Decision, FlockError, FlockSettings};
 pub use field::{Expected, Obstacle};
 pub use flock::Flock;
+pub use insight::{Insight, Member};
 pub use present::{Estimate, Present};
 pub use settings::{
     AltitudeLaw, ControllerSettings, CourseLaw, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,

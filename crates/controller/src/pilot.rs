@@ -5,6 +5,7 @@ use crate::closest_approach::closest_approach_m;
 use crate::command::Commander;
 use crate::evasion::{Asked, evade};
 use crate::forecast::{Forecast, Passage};
+use crate::insight::Insight;
 use crate::law::{Flown, command};
 use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
@@ -51,6 +52,8 @@ pub struct Pilot {
     last_heading_rad: Option<f64>,
     sight: Sight,
     rollout: Box<Rollout>,
+    /// Of the last tick, where that is asked for.
+    insight: Option<Box<Insight>>,
 }
 
 /// What a vehicle perceives at one tick.
@@ -85,7 +88,21 @@ impl Pilot {
             last_heading_rad: None,
             sight: Sight::default(),
             rollout: Box::new(Rollout::new()),
+            insight: None,
         })
+    }
+
+    /// Whether the next ticks are to be told of.
+    pub fn watch(&mut self, is_watched: bool) {
+        match is_watched {
+            true => drop(self.insight.get_or_insert_default()),
+            false => self.insight = None,
+        }
+    }
+
+    /// What the optimiser had to choose from at the last tick, where that is asked for.
+    pub fn insight(&self) -> Option<&Insight> {
+        self.insight.as_deref()
     }
 
     /// Algorithm 2, lines 4 to 6, for the vehicle of index `vehicle`.
@@ -109,16 +126,28 @@ impl Pilot {
             bounds: &self.bounds,
             rollout: &mut self.rollout,
         };
-        let choice = pick_weights(self.optimizer.as_mut(), &mut problem, self.last_weights, &mut rng);
+        let insight = self.insight.as_deref_mut();
+        let choice = pick_weights(self.optimizer.as_mut(), &mut problem, self.last_weights, &mut rng, insight);
         let solve = clock().saturating_sub(started);
         self.last_weights = Some(choice.weights);
         let sight = &self.sight;
+        if let Some(insight) = &mut self.insight {
+            (insight.tick, insight.optimizer) = (tick, self.optimizer.name());
+            insight.fly(&self.look_ahead, &sight.scene(settings, state), &mut self.rollout);
+        }
         let speed_mps = around.reference_speeds_mps.get(vehicle).copied().unwrap_or(state.speed_mps);
         let own = State { speed_mps, ..state };
         let flown = Flown { commander: &self.commander, state: &own, wind: &sight.wind };
         let setpoint = command(law, expected, &flown, &sight.neighbours, &sight.obstacles, choice.weights);
         let setpoint = self.without_a_jump(&state, setpoint);
         Decision { setpoint, weights: choice.weights, feasible: choice.violation_m <= 0.0, solve }
+    }
+
+    /// The decision is another one now; `forecast` is where it leads.
+    pub fn evaded(&mut self, forecast: &[Passage]) {
+        if let Some(insight) = &mut self.insight {
+            insight.evade(forecast);
+        }
     }
 
     /// The decision goes out: the next command does not jump far from it.
@@ -248,6 +277,7 @@ fn pick_weights(
     problem: &mut WeightProblem<'_>,
     last: Option<[f64; 3]>,
     rng: &mut Stream,
+    insight: Option<&mut Insight>,
 ) -> Choice {
     let dimensions = problem.bounds.len();
     let middle = 0.5 * (problem.bounds[0].lower + problem.bounds[0].upper);
@@ -257,11 +287,19 @@ fn pick_weights(
     match optimizer.minimise(problem, rng) {
         Ok(front) => {
             let best = nearest_to_ideal(&front);
-            let weights = [0, 1, 2].map(|term| front.position(best, if dimensions == 1 { 0 } else { term }));
-            Choice { weights, violation_m: front.violation()[best] }
+            let weights = |member| [0, 1, 2].map(|term| front.position(member, if dimensions == 1 { 0 } else { term }));
+            if let Some(insight) = insight {
+                insight.take(&front, best, weights);
+            }
+            Choice { weights: weights(best), violation_m: front.violation()[best] }
         }
         // No finite prediction, which only a state that is not finite causes. The middle of the range is the safest
         // choice.
-        Err(_) => Choice { weights: [middle; 3], violation_m: f64::INFINITY },
+        Err(_) => {
+            if let Some(insight) = insight {
+                insight.clear();
+            }
+            Choice { weights: [middle; 3], violation_m: f64::INFINITY }
+        }
     }
 }

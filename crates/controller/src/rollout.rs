@@ -24,6 +24,9 @@ const VECTOR: usize = 8;
 /// One number for each pigeon of a batch.
 pub type Each = [f64; BATCH];
 
+/// North and east of each pigeon, m.
+pub type Places = (Each, Each);
+
 /// The bounding box of all pigeons. Something far from the box is far from every pigeon, and is skipped for all of them
 /// at once.
 #[derive(Clone, Copy, Debug)]
@@ -163,6 +166,11 @@ impl Rollout {
         ] {
             quantity[..count].fill(value);
         }
+    }
+
+    /// Where the pigeons are.
+    pub fn places(&self) -> Places {
+        (self.x, self.y)
     }
 
     /// The box around all pigeons.

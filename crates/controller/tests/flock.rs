@@ -4,7 +4,7 @@ mod flight;
 
 use controller::{ControllerSettings, Expected, Flock, FlockError, FlockSettings, Obstacle};
 use flight::fly;
-use flight_model::State;
+use flight_model::{Autopilot, State};
 use std::time::Duration;
 
 const EXPECTED: Expected = Expected { speed_mps: 10.0, course_rad: 0.0, altitude_m: 50.0 };
@@ -135,4 +135,43 @@ fn a_warm_solve_allocates_nothing() {
         flock.decide(3, 4, &states, &|| Duration::ZERO);
     });
     assert_eq!(allocated.count_total, 0);
+}
+
+#[test]
+fn a_watched_vehicle_tells_its_front_and_where_it_leads_and_decides_the_same() {
+    let settings = settings();
+    let states = row(5, 6.0);
+    let autopilot = Autopilot::new(&settings.dynamics[0], settings.control_period_s);
+    let mut plain = Flock::new(settings.clone(), states.len()).expect("settings in range");
+    let mut watched = Flock::new(settings, states.len()).expect("settings in range");
+    watched.watch(&[2, 9]);
+    let (mut states, mut told) = (states, 0);
+    for tick in 0..20 {
+        let wanted = plain.tick(tick, &states, &|| Duration::ZERO).to_vec();
+        let decisions = watched.tick(tick, &states, &|| Duration::ZERO).to_vec();
+        assert_eq!(decisions, wanted);
+        let insights: Vec<_> = watched.insights().collect();
+        let [(2, insight)] = insights[..] else { panic!("only the third is watched") };
+        let chosen = &insight.members[insight.chosen];
+        assert_eq!((insight.tick, chosen.weights), (tick, decisions[2].weights));
+        assert!(insight.members.len() <= insight.front_len.min(61));
+        let costs = |k: usize| insight.members.iter().map(move |member| member.costs[k]);
+        assert!(costs(0).is_sorted() && costs(1).rev().is_sorted(), "a front of two costs");
+        let from = states[2];
+        for (state, decision) in states.iter_mut().zip(&decisions) {
+            *state = autopilot.step(state, &decision.setpoint);
+        }
+        let path_m = insight.evasion_path_m.as_ref().unwrap_or(&chosen.path_m);
+        let off_m = |[x_m, y_m]: [f64; 2], state: &State| {
+            let (north_m, east_m) = (state.x_m - x_m, state.y_m - y_m);
+            (north_m * north_m + east_m * east_m).sqrt()
+        };
+        assert_eq!(path_m.len(), 7, "the present, and six control periods");
+        assert!(off_m(path_m[0], &from) < 1e-9);
+        // The first command need not be the law's where the course would jump.
+        told += u32::from(off_m(path_m[1], &states[2]) < 0.02);
+    }
+    assert!(told > 15, "{told} of 20 predictions came true");
+    watched.watch(&[]);
+    assert_eq!(watched.insights().count(), 0);
 }

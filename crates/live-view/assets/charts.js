@@ -4,7 +4,7 @@ const DEGREES = 180 / Math.PI;
 
 const CHARTS = [
   { title: "Speed (m/s)", lines: [["flown", (m, i) => m.speed(i)], ["asked", (m, i) => m.speedAsked(i)]] },
-  { title: "Course (\u00b0)", lines: [["flown", (m, i) => (m.course(i) * DEGREES) % 360], ["asked", (m, i) => m.courseAsked(i) * DEGREES]] },
+  { title: "Course (\u00b0)", isAngle: true, lines: [["flown", (m, i) => m.course(i) * DEGREES], ["asked", (m, i) => m.courseAsked(i) * DEGREES]] },
   { title: "Altitude (m)", lines: [["flown", (m, i) => m.altitude(i)], ["asked", (m, i) => m.altitudeAsked(i)]] },
   { title: "Weights \u03b1", lines: [["formation", (m, i) => m.weight(0, i)], ["obstacle", (m, i) => m.weight(1, i)], ["velocity", (m, i) => m.weight(2, i)]] },
   { title: "Distances (m)", lines: [["separation", (m, i) => m.separation(i)], ["clearance", (m, i) => m.clearance(i)]] },
@@ -34,6 +34,7 @@ export class Charts {
     this.plots = [];
     if (this.index === null || typeof uPlot === "undefined") return;
     const style = getComputedStyle(document.documentElement);
+    const rem = parseFloat(style.fontSize);
     const css = (name) => style.getPropertyValue(`--${name}`).trim();
     const colours = [css("s1"), css("s2"), css("s3")];
     for (const chart of CHARTS) {
@@ -41,13 +42,13 @@ export class Charts {
       // Nobody needs a chart of what this flight does not have.
       const lines = chart.lines.map((line, k) => ({ line, values: data[k + 1] })).filter(({ values }) => values.some((v) => v !== null));
       if (!lines.length) continue;
-      const axis = { stroke: css("soft"), grid: { stroke: css("line"), width: 1 }, ticks: { stroke: css("line") }, font: "11px system-ui" };
+      const axis = { stroke: css("soft"), grid: { stroke: css("line"), width: 1 }, ticks: { stroke: css("line") }, font: `${Math.round(0.8 * rem)}px system-ui` };
       const options = {
-        title: chart.title, width: Math.max(200, this.element.clientWidth - 8), height: 132,
+        title: chart.title, width: Math.max(200, this.element.clientWidth - 8), height: 9.4 * rem,
         scales: { x: { time: false } },
         cursor: { sync: { key: "vehicle" }, y: false },
         legend: { show: true, live: true },
-        axes: [{ ...axis, size: 26 }, { ...axis, size: 46 }],
+        axes: [{ ...axis, size: 1.9 * rem }, { ...axis, size: 3.3 * rem }],
         series: [{ label: "s" }, ...chart.lines.map(([label], k) => ({ label, stroke: colours[k], width: 1.6, dash: DASHES[k], spanGaps: false }))],
         hooks: { ready: [(plot) => plot.over.addEventListener("dblclick", () => this.onSeek(plot.posToVal(plot.cursor.left, "x")))] },
       };
@@ -57,16 +58,35 @@ export class Charts {
 
   read(chart) {
     const i = this.index;
-    return this.player.series(chart.lines.map(([, read]) => (moment) => i < moment.n && moment.isPlaced(i) ? read(moment, i) : NaN));
+    const data = this.player.series(chart.lines.map(([, read]) => (moment) => i < moment.n && moment.isPlaced(i) ? read(moment, i) : NaN));
+    if (chart.isAngle) unwrap(data);
+    return data;
   }
 
   draw() {
     if (this.index === null) return;
     if (!this.plots.length) this.make();
-    for (const { chart, plot } of this.plots) plot.setData(this.read(chart));
+    for (const { chart, plot } of this.plots) {
+      const data = this.read(chart);
+      plot.setData(data);
+      // While nobody points at a time, the numbers are the last ones.
+      if (!(plot.cursor.left >= 0)) plot.setLegend({ idx: data[0].length - 1 });
+    }
   }
 
   resize() {
-    for (const { plot } of this.plots) plot.setSize({ width: Math.max(200, this.element.clientWidth - 8), height: 132 });
+    for (const { plot } of this.plots) plot.setSize({ width: Math.max(200, this.element.clientWidth - 8), height: plot.height });
+  }
+}
+
+/** Courses without jumps from 360 to 0: each value is the nearest to the one before, the first within half a turn of north. */
+function unwrap([, ...columns]) {
+  let before = 0;
+  for (let at = 0; at < columns[0].length; at++) {
+    for (const column of columns) {
+      if (column[at] === null) continue;
+      column[at] -= 360 * Math.round((column[at] - before) / 360);
+      before = columns[0][at] ?? column[at];
+    }
   }
 }

@@ -1,7 +1,7 @@
 // The connection to the program: a recording that it serves, or a live flight.
 
 import { Moment } from "./wire.js";
-import { forgetEvents, hear, play, player, setConnection, setSay } from "./page.js";
+import { forgetEvents, hear, play, player, setConnection, setLook, setSay } from "./page.js";
 
 const token = location.hash.slice(1);
 let socket = null;
@@ -13,12 +13,21 @@ setSay((words) => {
   return true;
 });
 
+// Anybody may look: no token goes with it.
+let looksAt = null;
+const look = () => { if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ look: looksAt })); };
+setLook((number) => {
+  looksAt = number;
+  look();
+});
+
 function connect() {
   socket = new WebSocket(`ws://${location.host}/live`);
   socket.binaryType = "arraybuffer";
   socket.onopen = () => {
     forgetEvents();
     setConnection("live", false);
+    look();
     if (token) socket.send(JSON.stringify({ token }));
   };
   socket.onmessage = ({ data }) => {

@@ -6,17 +6,21 @@ import { Player } from "./player.js";
 import { Stage, severity } from "./stage.js";
 import { Table, stateOf } from "./table.js";
 import { Charts } from "./charts.js";
+import { Choices } from "./choice.js";
 import { Operator } from "./operator.js";
 
 const element = (id) => document.getElementById(id);
 const parameters = new URLSearchParams(location.search);
 const EVENTS_SHOWN = 500;
+const SELECTED_SHOWN = 20;
 
 export const player = new Player();
 const stage = new Stage(element("stage"), player, parameters.has("canvas"));
 const table = new Table(element("table"), element("count"), element("filter"), stage);
 const charts = new Charts(element("charts"), player, (time) => player.seek(time));
+const choices = new Choices(element("choice"), player);
 let sayTo = () => false;
+let lookTo = () => {};
 const operator = new Operator(
   { all: element("orders"), one: element("orders-one"), note: element("order-note"), dialog: element("ask"), answer: element("answer") },
   (words) => sayTo(words));
@@ -24,10 +28,16 @@ let roster = { version: 0, numbers: [], systems: [], kinds: [], modes: [] };
 let scene = { circles: [], outlines: [], verbs: [] };
 let events = [];
 let may = false;
+let connection = "connects";
 
 /** Where the operator's words go; gives whether they are on their way. */
 export function setSay(say) {
   sayTo = say;
+}
+
+/** Whom the program is told that this page looks at: the number of a vehicle, or null. */
+export function setLook(look) {
+  lookTo = look;
 }
 
 // ---- What the program sends ----
@@ -37,6 +47,7 @@ export function hear(message) {
   if (message.scene) setScene(message.scene);
   if (message.roster) setRoster(message.roster);
   if (message.told) { events.push(...message.told); drawEvents(); }
+  if (message.choices) { choices.take(message.choices); stage.isStale = true; }
   if (message.summary) setSummary(message.summary);
   if (message.may) { may = true; operator.offer(scene.takes_words ? scene.verbs : [], may); }
   if (message.answer) operator.answered(message.answer);
@@ -86,21 +97,31 @@ function goTo(numbers, time) {
 
 /** How the flight is there: live, recorded, or gone. */
 export function setConnection(text, isBad) {
-  element("connection").textContent = text;
+  connection = text;
+  showConnection();
   element("connection").classList.toggle("bad", isBad);
+}
+
+/** A live flight whose picture stands at a time that is past says so. */
+function showConnection() {
+  const isBehind = !player.isLive && !player.isRecording && player.newest;
+  const text = isBehind ? `${connection}, but the past is shown` : connection;
+  if (element("connection").textContent !== text) element("connection").textContent = text;
 }
 
 /** All is told anew: the program sends its events from the first. */
 export function forgetEvents() {
   events = [];
+  choices.forget();
 }
 
 /** Plays a recording: what is known of it, and its frames. */
-export function play({ scene: known, roster: whose, told, least }, frames) {
+export function play({ scene: known, roster: whose, told, least, choices: chosen }, frames) {
   setScene(known);
   setRoster(whose);
   player.record(momentsOf(frames));
   events = told;
+  choices.take(chosen ?? []);
   drawEvents();
   setSummary({ phase: "", least });
   setConnection("recording", false);
@@ -184,8 +205,10 @@ function drawSelected() {
   element("selected-name").textContent = chosen.length === 0 ? "No vehicle is selected"
     : one ? `Vehicle ${roster.numbers[i] ?? i + 1}` : `${chosen.length} vehicles: ${chosen.slice(0, 12).map((k) => roster.numbers[k] ?? k + 1).join(", ")}${chosen.length > 12 ? " \u2026" : ""}`;
   charts.show(one ? i : null);
+  choices.draw();
   const facts = element("selected-facts");
   const moment = player.shownStatus();
+  element("selected-several").replaceChildren(...(one || !moment ? [] : severalOf(chosen.filter((k) => k < moment.n), moment)));
   if (!one || !moment || i >= moment.n) { facts.replaceChildren(); element("selected-events").replaceChildren(); return; }
   const weights = [0, 1, 2].map((term) => moment.weight(term, i));
   const rows = [
@@ -193,7 +216,7 @@ function drawSelected() {
     ["north", number(moment.x(i), 1, "m")], ["east", number(moment.y(i), 1, "m")], ["altitude", number(moment.altitude(i), 1, "m")],
     ["speed", number(moment.speed(i), 1, "m/s")], ["course", number(moment.course(i) * 180 / Math.PI, 0, "\u00b0")],
     ["separation", number(moment.separation(i), 1, "m")], ["clearance", number(moment.clearance(i), 1, "m")],
-    ["link age", number(moment.age(i), 1, "s")],
+    ["link age", Number.isFinite(moment.age(i)) ? number(moment.age(i), 1, "s") : ""],
     ["weights chosen", Number.isFinite(weights[0]) ? weights.map((value) => value.toFixed(2)).join(" / ") : ""],
     ["asked", Number.isFinite(moment.speedAsked(i)) ? `${moment.speedAsked(i).toFixed(1)} m/s, ${(moment.courseAsked(i) * 180 / Math.PI).toFixed(0)}\u00b0` : ""],
   ].filter(([, value]) => value);
@@ -211,6 +234,30 @@ function drawSelected() {
   }
 }
 
+/** Several selected vehicles in a line each; of two, how far they are apart. */
+function severalOf(chosen, moment) {
+  const lines = chosen.slice(0, SELECTED_SHOWN).map((k) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    const words = [roster.modes[moment.mode(k)], stateOf(moment.flags(k)), `separation ${number(moment.separation(k), 1, "m")}`, `clearance ${number(moment.clearance(k), 1, "m")}`];
+    button.textContent = `vehicle ${roster.numbers[k] ?? k + 1}: ${words.filter(Boolean).join(", ")}`;
+    button.onclick = () => stage.select([k]);
+    return button;
+  });
+  if (chosen.length === 2) {
+    const [a, b] = chosen;
+    const apart = document.createElement("p");
+    const { x, y, z } = stage.flock;
+    const [metres, higher] = [Math.hypot(x[a] - x[b], y[a] - y[b]), Math.abs(z[a] - z[b])];
+    apart.textContent = `At ${player.now.toFixed(1)} s they are ${number(metres, 1, "m")} apart, and ${number(higher, 1, "m")} in height.`;
+    lines.push(apart);
+  }
+  return lines;
+}
+
+stage.ways = () => choices.ways();
+choices.onPoint = () => { stage.isStale = true; };
+
 stage.onSelect = () => {
   const chosen = [...stage.selected];
   element("follow").setAttribute("aria-pressed", stage.follows);
@@ -219,6 +266,9 @@ stage.onSelect = () => {
     operator.select(chosen.map((i) => roster.numbers[i] ?? i + 1));
   }
   if (!chosen.length) operator.select([]);
+  const looksAt = chosen.length === 1 ? roster.numbers[chosen[0]] ?? null : null;
+  if (looksAt !== choices.number) lookTo(looksAt);
+  choices.select(looksAt);
   stage.onSelect.last = chosen.join();
   drawSelected();
   table.drawRows();
@@ -306,6 +356,7 @@ function slowly(clock = performance.now()) {
   element("live").hidden = player.isLive || player.isRecording;
   const span = player.end - player.start;
   if (document.activeElement !== element("scrub") || isRunning) element("scrub").value = span > 0 ? 1000 * (player.now - player.start) / span : 1000;
+  showConnection();
   element("clock").textContent = `${player.now.toFixed(1)} s`;
   if (!element("vehicles").hidden) table.draw();
   drawAlarms();
@@ -316,7 +367,7 @@ function slowly(clock = performance.now()) {
 }
 
 // For tests, and for the curious.
-window.columba = { player, stage, table, get events() { return events; }, get roster() { return roster; } };
+window.columba = { player, stage, table, choices, get events() { return events; }, get roster() { return roster; } };
 
 const inline = element("recording");
 if (inline) {

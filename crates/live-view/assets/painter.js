@@ -3,17 +3,15 @@
 //
 // All vehicles are one buffer of three corners each: without a GPU that is ten times as fast as instancing.
 
-const CORNER_WORDS = 6; // x, y, z, course, speed, colour: four bytes each
+const CORNER_WORDS = 7; // x, y, z, north and east of the course, speed, colour: four bytes each
 
 const FLOCK_VERTEX = `#version 300 es
 uniform mat4 camera; uniform vec2 pixel; uniform float ahead; uniform float size;
-layout(location = 0) in vec3 place; layout(location = 1) in vec2 motion; layout(location = 2) in vec4 colour;
+layout(location = 0) in vec3 place; layout(location = 1) in vec3 motion; layout(location = 2) in vec4 colour;
 out vec4 shade;
 void main() {
-  vec2 course = vec2(cos(motion.x), sin(motion.x));
-  vec3 moved = place + vec3(course * motion.y * ahead, 0.0);
-  vec4 here = camera * vec4(moved, 1.0);
-  vec4 there = camera * vec4(moved + vec3(course, 0.0), 1.0);
+  vec4 here = camera * vec4(place + vec3(motion.xy * motion.z * ahead, 0.0), 1.0);
+  vec4 there = here + motion.x * camera[0] + motion.y * camera[1];
   vec2 way = (there.xy / there.w - here.xy / here.w) / pixel;
   way = length(way) > 1e-6 ? normalize(way) : vec2(0.0, 1.0);
   int corner = gl_VertexID % 3;
@@ -34,12 +32,18 @@ void main() { painted = vec4(shade.rgb * shade.a, shade.a); }`;
 
 /** The best painter that the browser has for a canvas. */
 export function painterFor(canvas, plain = false) {
-  const gl = plain ? null : canvas.getContext("webgl2", { antialias: hasGpu(), alpha: true, premultipliedAlpha: true });
+  const gl = plain ? null : canvas.getContext("webgl2", { antialias: hasGpu(), alpha: false });
   return gl ? new GlPainter(canvas, gl) : new PlainPainter(canvas);
 }
 
+let isGpu;
 /** Whether WebGL is drawn by a GPU: without one, smooth edges cost a third of the frames. */
-function hasGpu() {
+export function hasGpu() {
+  isGpu ??= probeGpu();
+  return isGpu;
+}
+
+function probeGpu() {
   const probe = document.createElement("canvas").getContext("webgl2");
   const info = probe?.getExtension("WEBGL_debug_renderer_info");
   const name = info ? probe.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
@@ -61,12 +65,17 @@ class GlPainter {
     const gl = this.gl;
     this.flock = this.program(FLOCK_VERTEX, ["camera", "pixel", "ahead", "size"]);
     this.shape = this.program(SHAPE_VERTEX, ["camera"]);
-    this.flockArray = this.array(4 * CORNER_WORDS, [[0, 3, gl.FLOAT, 0], [1, 2, gl.FLOAT, 12], [2, 4, gl.UNSIGNED_BYTE, 20]]);
+    this.flockArray = this.array(4 * CORNER_WORDS, [[0, 3, gl.FLOAT, 0], [1, 3, gl.FLOAT, 12], [2, 4, gl.UNSIGNED_BYTE, 24]]);
     this.shapes = new Map();
     this.corners = 0;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    gl.clearColor(0, 0, 0, 0);
+  }
+
+  /** The colour behind everything, "#rrggbb": a picture that hides what is behind it is put on the page faster. */
+  setBackground(css) {
+    const hex = parseInt(css.slice(1), 16) || 0;
+    this.gl.clearColor(...[16, 8, 0].map((shift) => ((hex >> shift) & 255) / 255), 1);
   }
 
   program(vertex, uniforms) {
@@ -110,9 +119,10 @@ class GlPainter {
     let at = 0;
     for (let i = 0; i < flock.n; i++) {
       if (flock.x[i] !== flock.x[i]) continue; // nowhere
+      const [north, east] = [Math.cos(flock.course[i]), Math.sin(flock.course[i])];
       for (let corner = 0; corner < 3; corner++) {
         floats[at] = flock.x[i]; floats[at + 1] = flock.y[i]; floats[at + 2] = flock.z[i];
-        floats[at + 3] = flock.course[i]; floats[at + 4] = flock.speed[i]; colours[at + 5] = flock.colour[i];
+        floats[at + 3] = north; floats[at + 4] = east; floats[at + 5] = flock.speed[i]; colours[at + 6] = flock.colour[i];
         at += CORNER_WORDS;
       }
     }
@@ -175,6 +185,7 @@ class PlainPainter {
     this.ratio = ratio;
   }
 
+  setBackground() {}
   setFlock(flock) { this.flock = flock; }
   setShapes(layer, kind, words) {
     this.shapes.set(layer, { kind, places: new Float32Array(words.buffer, words.byteOffset, words.length), colours: new Uint32Array(words.buffer, words.byteOffset, words.length) });

@@ -2,15 +2,14 @@
 
 import { Camera } from "./camera.js";
 import { painterFor, Shapes, wordOfCss, colourWord } from "./painter.js";
-import { Overlay, gridStep } from "./overlay.js";
+import { Overlay } from "./overlay.js";
+import { Grid, makeScenery } from "./scenery.js";
+import { Hands } from "./hands.js";
 import { Flock } from "./player.js";
 import { FLAG } from "./wire.js";
 
 /** Trails are drawn for so many vehicles, and reach back so far, s. */
 const TRAILS_MAX = 500, TRAIL_S = 20, TRAIL_OF_MANY_S = 6;
-const CIRCLE_CORNERS = 48;
-/** Circles are cylinders without an end; so much of them is drawn above the flock, m. */
-const CYLINDER_ABOVE_M = 30;
 const ALARMS = FLAG.failsafe | FLAG.stale | FLAG.lost | FLAG.separation | FLAG.clearance | FLAG.left;
 const FAULTS = FLAG.lost | FLAG.clearance;
 const RAMP = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]]; // viridis
@@ -47,19 +46,20 @@ export class Stage {
     this.flock = new Flock();
     this.scene = { circles: [], outlines: [] };
     this.numbers = [];
+    this.grid = new Grid();
     this.selected = new Set();
     this.follows = false;
     this.isTouched = false;  // whether somebody has moved the camera
     this.colourBy = "state";
-    this.box = null;
     this.drawn = -1;
     this.drawnMarks = 0;
     this.frames = 0;
     this.onSelect = () => {};
+    this.ways = () => null;  // predicted ways of the selected vehicle
     this.readPalette();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readPalette());
     new ResizeObserver(() => this.resize()).observe(element);
-    this.listen();
+    this.hands = new Hands(this, this.over);
   }
 
   readPalette() {
@@ -67,8 +67,10 @@ export class Stage {
     const css = (name) => style.getPropertyValue(`--${name}`).trim();
     this.palette = Object.fromEntries(["page", "ink", "soft", "accent", "calm", "warn", "fault", "circle", "line", "fence"]
       .map((name) => [name, css(name)]));
+    this.palette.chosen = css("s2");
+    this.painter.setBackground(this.palette.page);
     this.isStale = true;
-    if (this.shapesAreMade) this.makeShapes();
+    makeScenery(this.painter, this.palette, this.scene);
   }
 
   resize() {
@@ -85,67 +87,12 @@ export class Stage {
   }
 
   setScene(scene) {
+    // Wind that turns moves no camera.
+    const places = ({ circles, outlines }) => JSON.stringify([circles, outlines]);
+    if (places(scene) !== places(this.scene)) this.isFitted = false;
     this.scene = scene;
-    this.makeShapes();
-    this.isFitted = false;
-  }
-
-  // ---- What stands still ----
-
-  makeShapes() {
-    this.shapesAreMade = true;
-    const { circles, outlines } = this.scene;
-    const floor = 0, top = (this.scene.altitude_m ?? 50) + CYLINDER_ABOVE_M;
-    const discs = new Shapes(1024), edges = new Shapes(1024), walls = new Shapes(1024);
-    const [fill, edge, wall] = [0.25, 0.9, 0.12].map((opacity) => wordOfCss(this.palette.circle, opacity));
-    for (const { x_m, y_m, radius_m } of circles) {
-      const rim = (k) => {
-        const angle = 2 * Math.PI * k / CIRCLE_CORNERS;
-        return [x_m + radius_m * Math.cos(angle), y_m + radius_m * Math.sin(angle)];
-      };
-      for (let k = 0; k < CIRCLE_CORNERS; k++) {
-        const [a, b] = [rim(k), rim(k + 1)];
-        discs.corner(x_m, y_m, floor, fill); discs.corner(...a, floor, fill); discs.corner(...b, floor, fill);
-        edges.corner(...a, floor, edge); edges.corner(...b, floor, edge);
-        edges.corner(...a, top, edge); edges.corner(...b, top, edge);
-        walls.corner(...a, floor, wall); walls.corner(...b, floor, wall); walls.corner(...b, top, wall);
-        walls.corner(...a, floor, wall); walls.corner(...b, top, wall); walls.corner(...a, top, wall);
-      }
-    }
-    const lines = new Shapes(256);
-    for (const { kind, points_m: points, is_closed: closed } of outlines) {
-      const colour = wordOfCss(kind === "fence" ? this.palette.fence : this.palette.accent, 0.9);
-      for (let k = 0; k + 1 < points.length + (closed ? 1 : 0); k++) {
-        lines.corner(...points[k], colour);
-        lines.corner(...points[(k + 1) % points.length], colour);
-      }
-    }
-    this.painter.setShapes("discs", "triangles", discs.used);
-    this.painter.setShapes("edges", "lines", edges.used);
-    this.painter.setShapes("walls", "triangles", walls.used);
-    this.painter.setShapes("outlines", "lines", lines.used);
+    makeScenery(this.painter, this.palette, scene);
     this.isStale = true;
-  }
-
-  makeGrid() {
-    const camera = this.camera;
-    const step = gridStep(camera.scale) * (camera.is3d ? 2 : 1);
-    const key = [step, camera.is3d, ...[0, 1].map((k) => Math.round(camera.centre[k] / step)), camera.width, camera.height, this.palette.line].join();
-    if (key === this.gridKey) return;
-    this.gridKey = key;
-    const reach = step * Math.ceil((camera.is3d ? 2.2 : 0.75) * Math.hypot(camera.width, camera.height) / camera.scale / step);
-    const [north, east] = [0, 1].map((k) => Math.round(camera.centre[k] / step) * step);
-    const colour = wordOfCss(this.palette.line, 1);
-    const grid = new Shapes(400);
-    // In 3-D a line in pieces: a piece that ends behind the camera is not drawn, but the rest of the line is.
-    const piece = camera.is3d ? step : 2 * reach;
-    for (let offset = -reach; offset <= reach; offset += step) {
-      for (let from = -reach; from < reach; from += piece) {
-        grid.corner(north + from, east + offset, 0, colour); grid.corner(north + from + piece, east + offset, 0, colour);
-        grid.corner(north + offset, east + from, 0, colour); grid.corner(north + offset, east + from + piece, 0, colour);
-      }
-    }
-    this.painter.setShapes("grid", "lines", grid.used);
   }
 
   // ---- What moves ----
@@ -234,9 +181,9 @@ export class Stage {
     if (this.follows) this.followOn(ahead);
     const moves = ahead > 0 && flock.n > 0 && player.newest && player.newest.rate > 0;
     if (!isNew && !this.isStale && !moves) return;
-    this.makeGrid();
-    const layers = camera.is3d ? ["grid", "discs", "walls", "edges", "outlines", "trails"] : ["grid", "discs", "edges", "outlines", "trails"];
-    const size = (flock.n > 2000 ? 4 : flock.n > 60 ? 6 : 9);
+    this.grid.make(this.painter, this.palette, camera);
+    const layers = camera.is3d ? ["grid", "discs", "walls", "edges", "posts", "outlines", "trails"] : ["grid", "discs", "edges", "outlines", "trails"];
+    const size = (flock.n > 2000 ? 4 : flock.n > 60 ? 6 : 9) * this.overlay.size;
     this.painter.draw(camera, layers, size, ahead);
     this.frames++;
     // Marks are dear where a page has no GPU: with many vehicles they follow ten times a second.
@@ -258,8 +205,11 @@ export class Stage {
     }
     for (const i of this.selected) marks.push([i, palette.ink, 1]);
     const wind = this.scene.wind;
+    const [one] = this.selected;
+    const ways = this.selected.size === 1 && one < flock.n ? this.ways() : null;
     this.overlay.draw({
-      camera: this.camera, palette, flock, ahead, marks, box: this.box, wind,
+      camera: this.camera, palette, flock, ahead, marks, box: this.hands.box, wind, ways, height: flock.z[one],
+      outlines: this.scene.outlines, own: new Set([...this.selected].map((i) => this.numbers[i])),
       labels: (i) => String(this.numbers[i] ?? i + 1),
       fenceText: this.scaleText,
     });
@@ -352,80 +302,7 @@ export class Stage {
     this.onSelect();
   }
 
-  // ---- Hands ----
-
-  listen() {
-    const pointers = new Map();
-    let moved = 0, began = null;
-    const place = (event) => {
-      const box = this.element.getBoundingClientRect();
-      return [event.clientX - box.left, event.clientY - box.top];
-    };
-    this.over.addEventListener("pointerdown", (event) => {
-      this.over.setPointerCapture(event.pointerId);
-      pointers.set(event.pointerId, place(event));
-      if (pointers.size === 1) {
-        moved = 0;
-        began = place(event);
-        this.box = event.shiftKey ? [...began, ...began] : null;
-      } else {
-        this.box = null;
-        moved = 99;
-      }
-    });
-    this.over.addEventListener("pointermove", (event) => {
-      const before = pointers.get(event.pointerId);
-      if (!before) return;
-      const now = place(event);
-      const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
-      moved += Math.abs(dx) + Math.abs(dy);
-      if (pointers.size === 2) {
-        const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
-        const spread = (a) => Math.hypot(a[0] - other[0], a[1] - other[1]);
-        const angle = (a) => Math.atan2(a[1] - other[1], a[0] - other[0]);
-        this.camera.zoom(spread(now) / Math.max(1, spread(before)), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
-        if (this.camera.is3d) this.camera.turn(angle(before) - angle(now), 0);
-        this.camera.pan(dx / 2, dy / 2);
-        this.touched();
-      } else if (this.box) {
-        [this.box[2], this.box[3]] = now;
-        this.isStale = true;
-      } else if (moved > 4) {
-        if (this.camera.is3d && (event.buttons & 2 || event.ctrlKey || event.altKey)) {
-          this.camera.turn(-dx * 0.006, dy * 0.005);
-          this.isTurned = true;
-        } else {
-          this.camera.pan(dx, dy);
-          this.follows = false;
-          this.onSelect();
-        }
-        this.touched();
-      }
-      pointers.set(event.pointerId, now);
-    });
-    const end = (event) => {
-      if (!pointers.delete(event.pointerId) || pointers.size) return;
-      const now = place(event);
-      if (this.box) {
-        const inside = this.inBox(this.box);
-        this.box = null;
-        this.select(inside);
-      } else if (moved <= 4 && event.type === "pointerup") {
-        const nearest = this.nearest(now);
-        const more = event.ctrlKey || event.metaKey;
-        this.select(nearest === null ? [] : more ? [...this.selected, nearest] : [nearest]);
-      }
-    };
-    this.over.addEventListener("pointerup", end);
-    this.over.addEventListener("pointercancel", end);
-    this.over.addEventListener("contextmenu", (event) => event.preventDefault());
-    this.over.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      this.camera.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...place(event));
-      this.touched();
-    }, { passive: false });
-  }
-
+  /** Somebody has moved the camera: it is not moved by itself any more. */
   touched() {
     this.isTouched = true;
     this.isStale = true;

@@ -36,9 +36,12 @@ pub const ALL: &[Asset] = &[
     asset!("/camera.js", "camera.js", JS),
     asset!("/painter.js", "painter.js", JS),
     asset!("/overlay.js", "overlay.js", JS),
+    asset!("/scenery.js", "scenery.js", JS),
+    asset!("/hands.js", "hands.js", JS),
     asset!("/stage.js", "stage.js", JS),
     asset!("/table.js", "table.js", JS),
     asset!("/charts.js", "charts.js", JS),
+    asset!("/choice.js", "choice.js", JS),
     asset!("/operator.js", "operator.js", JS),
     asset!("/vendor/uplot.js", "vendor/uPlot.iife.min.js", JS),
     asset!("/vendor/uplot.css", "vendor/uPlot.min.css", CSS),
@@ -50,15 +53,18 @@ pub fn find(path: &str) -> Option<&'static Asset> {
 }
 
 /// The modules of the page in an order in which each stands after those that it imports; without the connection.
-const MODULES: [&str; 10] = [
+const MODULES: [&str; 13] = [
     "/wire.js",
     "/player.js",
     "/camera.js",
     "/painter.js",
     "/overlay.js",
+    "/scenery.js",
+    "/hands.js",
     "/stage.js",
     "/table.js",
     "/charts.js",
+    "/choice.js",
     "/operator.js",
     "/page.js",
 ];

@@ -1,6 +1,8 @@
 //! The feed: what a flight tells the page, without ever waiting for it.
 
+use crate::choice::Choice;
 use crate::scene::{Event, Frame, Scene};
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// The flight's end of the page. Clones feed the same page.
@@ -10,8 +12,10 @@ pub struct Feed(Arc<Shared>);
 #[derive(Debug, Default)]
 struct Shared {
     frame: Mutex<Frame>,
-    /// The scene and the events that the page has not taken yet. Short work on both sides.
+    /// The scene, the events and the choices that the page has not taken yet. Short work on both sides.
     news: Mutex<News>,
+    /// Numbers of the vehicles that pages look at.
+    watched: Mutex<Vec<u32>>,
 }
 
 /// What the page has not taken yet.
@@ -21,10 +25,14 @@ pub struct News {
     pub scene: Option<Scene>,
     /// New events.
     pub events: Vec<Event>,
+    /// New choices.
+    pub choices: VecDeque<Choice>,
 }
 
 /// More events than this wait for nobody: the page's thread is gone.
 const EVENTS_MAX: usize = 100_000;
+/// Of the choices that wait, the newest: a flight in simulated time makes more than anybody sees.
+const CHOICES_MAX: usize = 1000;
 
 impl Feed {
     /// Changes the frame. Never waits: while the page's thread copies the frame, which takes microseconds, nothing is
@@ -54,6 +62,25 @@ impl Feed {
         if news.events.len() < EVENTS_MAX {
             news.events.push(event);
         }
+    }
+
+    /// Tells what an optimiser had to choose from.
+    pub fn choose(&self, choice: Choice) {
+        let mut news = self.lock_news();
+        if news.choices.len() >= CHOICES_MAX {
+            news.choices.pop_front();
+        }
+        news.choices.push_back(choice);
+    }
+
+    /// Numbers of the vehicles that pages look at: of these, choices are worth telling.
+    pub fn watched(&self) -> Vec<u32> {
+        self.0.watched.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Sets which vehicles pages look at.
+    pub(crate) fn watch(&self, numbers: Vec<u32>) {
+        *self.0.watched.lock().unwrap_or_else(PoisonError::into_inner) = numbers;
     }
 
     /// The frame as it is now.

@@ -24,15 +24,20 @@
 
 pub mod alarms;
 pub mod assets;
+pub mod choice;
+mod connections;
 pub mod distances;
 pub mod feed;
 pub mod guard;
+mod http;
 pub mod look;
+mod page;
 pub mod recording;
 pub mod scene;
 mod server;
 pub mod wire;
 
+pub use choice::Choice;
 pub use feed::Feed;
 pub use guard::{Refused, Token};
 pub use recording::Recording;

@@ -1,22 +1,16 @@
-//! The page's server: a thread of its own, which looks at the feed and sends each browser what is new.
+//! The page's server: a thread of its own, which looks at the feed and publishes what is new.
 
-use crate::assets;
+use crate::choice::Choices;
+use crate::connections::Bounded;
 use crate::feed::Feed;
-use crate::guard::{Refusal, Refused, Token, admit};
+use crate::guard::{Refused, Token};
 use crate::look::{LeastSoFar, Looker};
 use crate::recording::Recording;
 use crate::scene::{Event, Frame, Scene};
 use crate::wire::{BITS_AT, FINE_MAX, HISTORY};
-use axum::Router;
 use axum::body::Bytes;
-use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
-use axum::extract::{ConnectInfo, Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
-use axum::middleware::{self, Next};
-use axum::response::{IntoResponse, Response};
-use axum::routing::get;
-use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
+use serde::Serialize;
+use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -34,12 +28,6 @@ const STATUS_EVERY: u64 = 5;
 const HISTORY_STEP: Duration = Duration::from_millis(500);
 /// So many bytes of them are kept.
 const HISTORY_BYTES_MAX: usize = 8 << 20;
-/// The longest word of a page, bytes.
-const WORD_MAX: usize = 4096;
-/// Pages at once.
-const PAGES_MAX: usize = 32;
-/// A page that takes nothing for so long is let go.
-const SEND_PATIENCE: Duration = Duration::from_secs(10);
 /// How long the end of the program is told to pages that are slow.
 const GOODBYE: Duration = Duration::from_millis(500);
 
@@ -208,40 +196,53 @@ impl Drop for LiveView {
 
 /// What the looks at the feed and the pages share, all on one thread but for a few counters.
 #[derive(Debug)]
-struct Shared {
-    token: Token,
-    port: u16,
+pub(crate) struct Shared {
+    pub token: Token,
+    pub port: u16,
     /// Head and frames.
-    recording: Option<(String, Bytes)>,
-    say: mpsc::Sender<Said>,
+    pub recording: Option<(String, Bytes)>,
+    pub say: mpsc::Sender<Said>,
     published: Mutex<Published>,
     /// Counts looks.
-    news: watch::Sender<u64>,
+    pub news: watch::Sender<u64>,
     /// How many pages are open.
-    pages: watch::Sender<usize>,
+    pub pages: watch::Sender<usize>,
 }
 
 /// What pages are sent.
 #[derive(Debug, Default)]
-struct Published {
-    scene: (u64, Bytes),
-    roster: (u64, Bytes),
-    summary: (u64, Bytes),
-    frame: (u64, Bytes),
-    events: Vec<Event>,
-    history: VecDeque<Bytes>,
+pub(crate) struct Published {
+    /// Each with the count of the look that made it.
+    pub scene: (u64, Bytes),
+    pub roster: (u64, Bytes),
+    pub summary: (u64, Bytes),
+    pub frame: (u64, Bytes),
+    pub events: Vec<Event>,
+    pub choices: Choices,
+    pub history: VecDeque<Bytes>,
     history_bytes: usize,
     refused: Refused,
-    is_over: bool,
+    /// Which vehicle a page looks at.
+    looks: BTreeMap<SocketAddr, u32>,
+    pub is_over: bool,
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, Published> {
+    pub fn lock(&self) -> MutexGuard<'_, Published> {
         self.published.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn refuse(&self, count: impl FnOnce(&mut Refused)) {
+    pub fn refuse(&self, count: impl FnOnce(&mut Refused)) {
         count(&mut self.lock().refused);
+    }
+
+    /// A page looks at a vehicle, or at none.
+    pub fn look(&self, page: SocketAddr, vehicle: Option<u32>) {
+        let mut published = self.lock();
+        match vehicle {
+            Some(number) => published.looks.insert(page, number),
+            None => published.looks.remove(&page),
+        };
     }
 }
 
@@ -252,7 +253,7 @@ async fn run(shared: Arc<Shared>, feed: Feed, listener: TcpListener, stopped: on
         Err(error) => return tracing::error!(%error, "the page cannot be served"),
     };
     let of_server = Arc::clone(&shared);
-    let served = tokio::spawn(async move { axum::serve(listener, router(of_server)).await });
+    let served = tokio::spawn(async move { axum::serve(Bounded::new(listener), crate::http::router(of_server)).await });
     tokio::select! {
         () = look_again_and_again(&shared, &feed) => {}
         _ = stopped => {}
@@ -289,6 +290,8 @@ async fn look_again_and_again(shared: &Shared, feed: &Feed) {
             }
             published.events.extend(news.events);
             published.events.extend(look.events);
+            news.choices.iter().for_each(|choice| published.choices.push(choice));
+            feed.watch(published.looks.values().copied().collect());
             if has_status {
                 let summary = Summary {
                     phase: &frame.phase,
@@ -348,224 +351,7 @@ struct Summary<'a> {
 }
 
 /// An object of one name, for a page.
-fn json(name: &str, value: &impl Serialize) -> Bytes {
+pub(crate) fn json(name: &str, value: &impl Serialize) -> Bytes {
     let value = serde_json::to_value(value).unwrap_or_default();
     Bytes::from(serde_json::json!({ name: value }).to_string())
-}
-
-fn router(shared: Arc<Shared>) -> axum::extract::connect_info::IntoMakeServiceWithConnectInfo<Router, SocketAddr> {
-    let guard = middleware::from_fn_with_state(Arc::clone(&shared), guarded);
-    Router::new()
-        .route("/live", get(live))
-        .route("/recording.json", get(recording_head))
-        .route("/recording.bin", get(recording_frames))
-        .fallback(get(asset))
-        .layer(guard)
-        .with_state(shared)
-        .into_make_service_with_connect_info()
-}
-
-/// Lets requests in, or not, and says to browsers what the page may do: nothing beyond this server.
-async fn guarded(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
-    let mut response = match admit(request.headers(), shared.port) {
-        Ok(()) => next.run(request).await,
-        Err(refusal) => {
-            tracing::warn!(?refusal, "a request for the page is refused");
-            shared.refuse(|refused| match refusal {
-                Refusal::Host => refused.host += 1,
-                Refusal::Origin => refused.origin += 1,
-            });
-            (StatusCode::FORBIDDEN, "refused: this page is for its own address only\n").into_response()
-        }
-    };
-    const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
-                          connect-src 'self' ws:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-    let headers = response.headers_mut();
-    let mut set = |name: HeaderName, value| headers.insert(name, HeaderValue::from_static(value));
-    set(header::CONTENT_SECURITY_POLICY, POLICY);
-    set(header::X_CONTENT_TYPE_OPTIONS, "nosniff");
-    set(header::REFERRER_POLICY, "no-referrer");
-    set(header::CACHE_CONTROL, "no-store");
-    set(HeaderName::from_static("cross-origin-resource-policy"), "same-origin");
-    response
-}
-
-async fn asset(uri: Uri) -> Response {
-    match assets::find(uri.path()) {
-        Some(asset) => ([(header::CONTENT_TYPE, asset.content_type)], asset.bytes).into_response(),
-        None => (StatusCode::NOT_FOUND, "there is nothing here\n").into_response(),
-    }
-}
-
-async fn recording_head(State(shared): State<Arc<Shared>>) -> Response {
-    match &shared.recording {
-        Some((head, _)) => ([(header::CONTENT_TYPE, "application/json")], head.clone()).into_response(),
-        None => StatusCode::NO_CONTENT.into_response(),
-    }
-}
-
-async fn recording_frames(State(shared): State<Arc<Shared>>) -> Response {
-    match &shared.recording {
-        Some((_, frames)) => ([(header::CONTENT_TYPE, "application/octet-stream")], frames.clone()).into_response(),
-        None => StatusCode::NO_CONTENT.into_response(),
-    }
-}
-
-async fn live(
-    upgrade: WebSocketUpgrade,
-    ConnectInfo(from): ConnectInfo<SocketAddr>,
-    State(shared): State<Arc<Shared>>,
-    headers: HeaderMap,
-) -> Response {
-    if *shared.pages.borrow() >= PAGES_MAX {
-        shared.refuse(|refused| refused.full += 1);
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open\n").into_response();
-    }
-    tracing::debug!(%from, agent = ?headers.get(header::USER_AGENT), "a page opens");
-    upgrade.max_message_size(WORD_MAX).max_frame_size(WORD_MAX).on_upgrade(move |socket| async move {
-        shared.pages.send_modify(|pages| *pages += 1);
-        let end = Page { socket, from, shared: Arc::clone(&shared), sent: Sent::default() }.attend().await;
-        shared.pages.send_modify(|pages| *pages -= 1);
-        tracing::debug!(%from, end, "a page is gone");
-    })
-}
-
-/// What a page has been sent.
-#[derive(Debug, Default)]
-struct Sent {
-    scene: u64,
-    roster: u64,
-    summary: u64,
-    frame: u64,
-    events: usize,
-    has_history: bool,
-}
-
-/// A browser.
-struct Page {
-    socket: WebSocket,
-    from: SocketAddr,
-    shared: Arc<Shared>,
-    sent: Sent,
-}
-
-/// What a page says.
-#[derive(Deserialize)]
-struct Word {
-    /// The token of the address.
-    token: String,
-    /// Words of the operator; without any, the page asks whether its token is right.
-    say: Option<String>,
-    /// Comes back with the answer.
-    #[serde(default)]
-    id: u64,
-}
-
-impl Page {
-    /// Sends what is new and hears what is said, until the page is gone; gives the reason.
-    async fn attend(mut self) -> &'static str {
-        let mut news = self.shared.news.subscribe();
-        news.mark_changed();
-        loop {
-            tokio::select! {
-                changed = news.changed() => {
-                    if changed.is_err() {
-                        return "the program ends";
-                    }
-                    if let Err(reason) = self.send_news().await {
-                        return reason;
-                    }
-                }
-                heard = self.socket.recv() => match heard {
-                    Some(Ok(Message::Text(text))) => {
-                        let answer = hear(&self.shared, self.from, text.as_str()).await;
-                        if let Err(reason) = self.send(Message::Text(answer.into())).await {
-                            return reason;
-                        }
-                    }
-                    Some(Ok(Message::Close(_))) | None => return "closed",
-                    Some(Ok(_)) => {}
-                    Some(Err(_)) => return "broken, or too long a message",
-                },
-            }
-        }
-    }
-
-    /// Sends what the page has not seen: of the frames only the newest.
-    async fn send_news(&mut self) -> Result<(), &'static str> {
-        let mut messages = Vec::new();
-        let is_over = {
-            let published = self.shared.lock();
-            let text = |bytes: &Bytes| Message::Text(String::from_utf8_lossy(bytes).into_owned().into());
-            let sent = &mut self.sent;
-            for (known, (version, bytes)) in [
-                (&mut sent.scene, &published.scene),
-                (&mut sent.roster, &published.roster),
-                (&mut sent.summary, &published.summary),
-            ] {
-                if known != version {
-                    *known = *version;
-                    messages.push(text(bytes));
-                }
-            }
-            if !std::mem::replace(&mut sent.has_history, true) {
-                messages.extend(published.history.iter().cloned().map(Message::Binary));
-            }
-            if sent.events < published.events.len() {
-                messages.push(text(&json("told", &&published.events[sent.events..])));
-                sent.events = published.events.len();
-            }
-            if sent.frame != published.frame.0 {
-                sent.frame = published.frame.0;
-                messages.push(Message::Binary(published.frame.1.clone()));
-            }
-            published.is_over
-        };
-        for message in messages {
-            self.send(message).await?;
-        }
-        if is_over {
-            self.send(Message::Text("{\"over\":true}".into())).await?;
-            let _ = self.send(Message::Close(None)).await;
-            return Err("the program ends");
-        }
-        Ok(())
-    }
-
-    /// Waits until the system has taken a message, and not for ever.
-    async fn send(&mut self, message: Message) -> Result<(), &'static str> {
-        match tokio::time::timeout(SEND_PATIENCE, self.socket.send(message)).await {
-            Ok(Ok(())) => Ok(()),
-            Ok(Err(_)) => Err("broken"),
-            Err(_) => Err("it has taken nothing for too long"),
-        }
-    }
-}
-
-/// Hears a word, and gives the answer as JSON.
-async fn hear(shared: &Shared, from: SocketAddr, text: &str) -> String {
-    let refused = |id: u64, text: &str| {
-        let answer = Answer { is_done: false, text: text.to_owned() };
-        serde_json::json!({"answer": {"id": id, "is_done": answer.is_done, "text": answer.text}}).to_string()
-    };
-    let Ok(word) = serde_json::from_str::<Word>(text) else {
-        return refused(0, "not understood: must be {\"token\": ..., \"say\": ...}");
-    };
-    if !shared.token.is(&word.token) {
-        shared.refuse(|counts| counts.token += 1);
-        tracing::warn!(from = %from, say = ?word.say, "a word without the right token is refused");
-        return refused(word.id, "refused: the address has no token, or another program's; open the printed address");
-    }
-    let Some(say) = word.say else { return serde_json::json!({"may": true}).to_string() };
-    let (answer, answered) = oneshot::channel();
-    let said = Said { text: say, from, answer };
-    if shared.say.try_send(said).is_err() {
-        return refused(word.id, "nothing here takes orders");
-    }
-    match tokio::time::timeout(SEND_PATIENCE, answered).await {
-        Ok(Ok(Answer { is_done, text })) => {
-            serde_json::json!({"answer": {"id": word.id, "is_done": is_done, "text": text}}).to_string()
-        }
-        _ => refused(word.id, "not answered: the flight may be over"),
-    }
 }

@@ -2,6 +2,7 @@
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use live_view::choice::{Choice, Member};
 use live_view::{Answer, Event, Frame, LiveView, Scene, Settings, VehicleNow, Weight};
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -201,4 +202,73 @@ fn a_page_that_does_not_read_costs_nobody_anything() {
     assert!(times.windows(2).all(|pair| pair[0] <= pair[1]), "frames come in order");
     assert!(times.last().unwrap() > &1.0, "and they are of the present");
     assert_eq!(view.pages(), 2);
+}
+
+#[test]
+fn a_page_is_told_the_choices_of_the_vehicle_that_it_looks_at_and_needs_no_token_for_that() {
+    let view = view();
+    let feed = view.feed();
+    let choice = |vehicle, at_s| Choice { vehicle, at_s, members: vec![Member::default()], ..Choice::default() };
+    feed.choose(choice(2, 0.5));
+    feed.choose(choice(7, 0.5));
+    let mut client = Client::open(&view);
+    assert!(feed.watched().is_empty());
+    client.say("{\"look\": 7}");
+    let told = client.text_with("choices");
+    assert!(told.starts_with("{\"choices\":[{\"vehicle\":7,\"at_s\":0.5") && !told.contains("\"vehicle\":2"), "{told}");
+    while feed.watched() != [7] {
+        client.frame();
+    }
+    feed.choose(choice(7, 1.0));
+    assert!(client.text_with("choices").starts_with("{\"choices\":[{\"vehicle\":7,\"at_s\":1.0"));
+    // Words without a token are refused, whatever else they say.
+    client.say("{\"say\": \"abort\", \"look\": 7, \"id\": 3}");
+    assert!(client.text_with("\"id\":3").contains("refused"));
+    drop(client);
+    let deadline = Instant::now() + PATIENCE;
+    while !feed.watched().is_empty() {
+        assert!(Instant::now() < deadline, "a page that is gone looks at nothing");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn pages_and_connections_are_bounded_and_those_that_are_open_go_on() {
+    let view = view();
+    let port = port(&view);
+    let host = format!("127.0.0.1:{port}");
+    let mut first = Client::open(&view);
+    let others: Vec<Client> = (1..32).map(|_| Client::open(&view)).collect();
+    assert_eq!(Client::upgrade(port, &host, None).0, 503, "one too many");
+    assert_eq!((view.pages(), view.refused().full), (32, 1));
+    // Connections that ask nothing, or only half of something.
+    let mut idle: Vec<TcpStream> = (0..300).map(|_| TcpStream::connect(("127.0.0.1", port)).unwrap()).collect();
+    idle.iter_mut().for_each(|stream| stream.write_all(b"GET / HTTP/1.1\r\nHost: ").unwrap());
+    for _ in 0..5 {
+        first.frame();
+    }
+    drop((others, idle));
+    // There is room again once they are gone.
+    let deadline = Instant::now() + PATIENCE;
+    while Client::upgrade(port, &host, None).0 != 101 {
+        assert!(Instant::now() < deadline, "a place is free again");
+    }
+}
+
+#[test]
+fn what_is_no_word_ends_nothing_but_its_own_connection() {
+    let view = view();
+    let mut client = Client::open(&view);
+    for wrong in ["", "null", "[]", "{\"look\": -1}", "{\"look\": \"7\"}", "{\"token\": 5}", "{\"look\": 1e99}"] {
+        client.say(wrong);
+        client.text_with("not understood");
+    }
+    // A frame that is not masked, one of a reserved kind, one that says it is as long as all memory.
+    for hostile in [&[0x81, 0x02, b'{', b'}'][..], &[0x8B, 0x80, 0, 0, 0, 0], &[0x81, 0xFF, 0x7F, 0xFF, 0xFF, 0xFF]] {
+        let mut other = Client::open(&view);
+        other.stream.write_all(hostile).unwrap();
+        other.stream.write_all(&[0xFF; 16]).unwrap();
+        while other.next().is_some() {}
+    }
+    client.frame();
 }

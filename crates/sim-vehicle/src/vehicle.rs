@@ -15,7 +15,7 @@ use crate::protocol::command::reset::Kept;
 use crate::protocol::parameter::ParameterService;
 use crate::settings::{LockstepSettings, SettingsError, VehicleSettings};
 use crate::telemetry::announce::Component;
-use flight_model::{Setpoint, State};
+use flight_model::{LocalFrame, Setpoint, State};
 use mavlink_bridge::{Counters, Incoming, PlanItem, incoming};
 use std::sync::Arc;
 use std::time::Duration;
@@ -337,6 +337,22 @@ impl Vehicle {
     /// The plans that have been changed since this was last asked, to be kept.
     pub(crate) fn take_changed_plans(&mut self) -> Vec<PlanKind> {
         self.services.missions.take_changed()
+    }
+
+    /// The items of its mission, of its fence, and its rally points, as they are on board.
+    pub fn plan_items(&self) -> [&[PlanItem]; 3] {
+        PlanKind::ALL.map(|kind| self.plan(kind))
+    }
+
+    /// Its home: north, east and up of the origin of its local frame, m.
+    pub fn home_m(&self) -> [f64; 3] {
+        let home = self.component.autopilot.flight.home();
+        [home.x_m, home.y_m, home.altitude_m]
+    }
+
+    /// Its local frame.
+    pub fn frame(&self) -> &LocalFrame {
+        self.component.autopilot.frame()
     }
 
     /// The items of a plan.

@@ -239,8 +239,12 @@ pub struct WatchArgs {
     #[arg(long, value_name = "LINK")]
     pub link: Vec<Connection>,
     /// Sends nothing on the links: neither heartbeats, nor requests for positions that do not come by themselves.
-    #[arg(long, conflicts_with = "logs")]
+    #[arg(long, conflicts_with_all = ["logs", "plans"])]
     pub silent: bool,
+    /// Asks each autopilot once for its home, its mission, its fence and its rally points, and draws them. Without this
+    /// only those are drawn that others ask for or upload.
+    #[arg(long, conflicts_with = "logs")]
+    pub plans: bool,
     /// Where the page is: a port on this machine, 0 for any free one, or an address with a port.
     #[arg(long, value_name = "ADDRESS", default_value = "0")]
     pub view: String,

@@ -72,7 +72,10 @@ fn over_udp(
         let base_port = scenario.link.vehicle_port.unwrap_or(if speed.is_some() { VEHICLE_PORT } else { 0 });
         let (observer, ground_truth) = GroundTruth::observed(scenario.starts.len(), scenario.integration_step);
         let observer = match view {
-            Some(view) => view::watch_vehicles(view.feed(), observer, speed),
+            Some(view) => {
+                let scene = view::scene_of(scenario, "columba run");
+                view::watch_vehicles(view.feed(), scene, observer, speed)
+            }
             None => observer,
         };
         let vehicles = flying::led_vehicle_settings(scenario, Some(ground.address()?), epoch_us);

@@ -63,7 +63,10 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
             out.write_all(words.as_bytes()).and_then(|()| out.flush()).context("cannot print the table of vehicles")?;
         }
         let observer: Observer = match &view {
-            Some(view) => view::watch_vehicles(view.feed(), Arc::new(|_| {}), speed),
+            Some(view) => {
+                let scene = view::scene_of(&scenario, "columba vehicles");
+                view::watch_vehicles(view.feed(), scene, Arc::new(|_| {}), speed)
+            }
             None => Arc::new(|_| {}),
         };
         Ok(host.run(observer, stop).await?)

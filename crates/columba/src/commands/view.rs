@@ -4,12 +4,13 @@ use super::{Failure, block_on, stop_on_signal};
 use crate::args::{Cli, WatchArgs};
 use crate::flying::stopped;
 use crate::station::shell;
-use crate::view::{self, listen, tlog};
+use crate::view::listen::{self, Asks};
+use crate::view::{self, tlog};
 use anyhow::{Context, anyhow};
 use live_view::{LiveView, Scene};
 use mavlink_bridge::ImpairmentSettings;
 use mavlink_bridge::link::{Connection, LinkSpec, Links};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Where autopilots and ground stations send telemetry by default.
 const DEFAULT_LINK: &str = "udpin:127.0.0.1:14550";
@@ -36,8 +37,13 @@ fn watch_links(args: &WatchArgs) -> Result<(), Failure> {
     let page = LiveView::start(&view::settings(&args.view)?)?;
     view::tell_address(&page);
     let scene = Scene { title: names.join(", "), source: "columba view".to_owned(), ..Scene::default() };
+    let asks = match (args.silent, args.plans) {
+        (true, _) => Asks::Nothing,
+        (false, true) => Asks::Plans,
+        (false, false) => Asks::Positions,
+    };
     block_on(async {
-        listen::listen(page.feed(), links, calls, !args.silent, scene, stop).await;
+        listen::listen(page.feed(), links, calls, asks, scene, stop).await;
         Ok(())
     })?;
     Ok(())
@@ -45,23 +51,24 @@ fn watch_links(args: &WatchArgs) -> Result<(), Failure> {
 
 fn play_logs(args: &WatchArgs) -> Result<(), Failure> {
     let mut stop = stop_on_signal()?;
-    let read = |path: &PathBuf| -> anyhow::Result<tlog::Log> {
+    let mut logs: Vec<(&Path, tlog::Log)> = Vec::new();
+    for path in &args.logs {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let log = tlog::Log::read(&bytes);
+        let frame = logs.iter().find_map(|(_, log)| log.frame());
+        let log = tlog::Log::read(&bytes, frame);
         if log.vehicles() == 0 {
             return Err(anyhow!(
                 "{}: must be a telemetry log (tlog) of at least one autopilot: it has {} records of MAVLink",
                 path.display(),
                 log.records
-            ));
+            )
+            .into());
         }
-        Ok(log)
-    };
-    let logs =
-        args.logs.iter().map(|path| Ok((path.as_path(), read(path)?))).collect::<anyhow::Result<Vec<(&Path, _)>>>()?;
+        logs.push((path, log));
+    }
     let names: Vec<String> = args.logs.iter().map(|path| path.display().to_string()).collect();
     let scene = Scene { title: names.join(", "), source: "columba view".to_owned(), ..Scene::default() };
-    let page = LiveView::play(&view::settings(&args.view)?, tlog::recording(&logs, scene))?;
+    let page = LiveView::play(&view::settings(&args.view)?, tlog::recording(&mut logs, scene))?;
     view::tell_address(&page);
     block_on(async {
         stopped(&mut stop).await;

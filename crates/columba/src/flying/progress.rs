@@ -2,7 +2,7 @@
 
 use super::Recorder;
 use crate::view::FlockView;
-use controller::Decision;
+use controller::{Decision, Flock};
 use flight_model::State;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -31,6 +31,20 @@ impl Progress {
     pub fn decided(&self, now: Duration, states: &[State], decisions: &[Decision], recorder: &Recorder) {
         if let Some(view) = &self.view {
             view.tick(now, states, decisions, || recorder.verdict());
+        }
+    }
+
+    /// Before a tick: of whom it is to tell what there was to choose from.
+    pub fn watch(&self, flock: &mut Flock, vehicles: usize) {
+        if let Some(view) = &self.view {
+            flock.watch(&view.watched(vehicles));
+        }
+    }
+
+    /// After a tick: what there was to choose from.
+    pub fn chosen(&self, now: Duration, flock: &Flock) {
+        if let Some(view) = &self.view {
+            view.chosen(now, flock);
         }
     }
 

@@ -122,10 +122,12 @@ pub async fn fly<W: World>(
                 }
                 None => world.states(),
             };
+            progress.watch(&mut flock, scenario.starts.len());
             let decisions = flock.tick(tick, states, &clock);
             recorder.tick(world.now(), world.states(), decisions);
             unless_stopped(&mut stop, world.send(decisions)).await?;
             progress.decided(world.now(), world.states(), decisions, &recorder);
+            progress.chosen(world.now(), &flock);
             let until = scenario.control_period * u32::try_from(tick + 1).unwrap_or(u32::MAX);
             unless_stopped(&mut stop, world.advance(until)).await?;
             let minima = recorder.judge(world.ground_truth());

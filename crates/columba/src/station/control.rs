@@ -121,7 +121,7 @@ impl Station {
     pub fn watch_modes(&mut self, may_hold: bool, now: Duration) {
         for index in self.crew() {
             let vehicle = &self.vehicles[index];
-            let is_as_told = vehicle.follows() || (may_hold && vehicle.holds());
+            let is_as_told = vehicle.follows() || ((may_hold || vehicle.paused) && vehicle.holds());
             if vehicle.is_ours() && vehicle.entered && !is_as_told {
                 let mode = vehicle.mode_name();
                 let why = if vehicle.critical { "by a failsafe, it says" } else { "by others" };

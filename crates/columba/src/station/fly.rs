@@ -10,7 +10,7 @@ use super::{Phase, STALE_S, Station, end, number};
 use crate::flight::{Row, Tick, Trajectory};
 use crate::flying::Solves;
 use crate::identify::flight::StepFlight;
-use controller::{Decision, Flock, FlockSettings, Obstacle};
+use controller::{Decision, Flock, FlockSettings, Insight, Obstacle};
 use flight_model::{Setpoint, State, Wind};
 use mavlink_bridge::kind::AtEnd;
 use std::collections::VecDeque;
@@ -59,6 +59,8 @@ pub struct Fly {
     steps: Option<StepFlight>,
     members: Vec<usize>,
     tick: u64,
+    /// When the last decisions were made.
+    decided: Duration,
     next: Duration,
     pending: VecDeque<Pending>,
     paused: bool,
@@ -94,6 +96,7 @@ impl Fly {
             steps: station.settings.steps.clone(),
             members: Vec::new(),
             tick: 0,
+            decided: now,
             next: now,
             pending: VecDeque::new(),
             paused: false,
@@ -124,6 +127,13 @@ impl Fly {
         let last = self.trajectory.rows.len().checked_sub(self.trajectory.vehicles)?;
         let row = self.trajectory.rows.get(last + index)?;
         row.setpoint.is_finite().then_some((row.setpoint, row.alpha))
+    }
+
+    /// What the watched vehicles had to choose from at the last decision: its flight time, s, and their indices.
+    pub fn insights(&self) -> (f64, impl Iterator<Item = (usize, &Insight)>) {
+        let insights = self.flock.iter().flat_map(Flock::insights);
+        let of_vehicles = insights.filter_map(|(member, insight)| Some((*self.members.get(member)?, insight)));
+        (self.flight_s(self.decided), of_vehicles)
     }
 
     /// Whether the operator has paused it, and not all vehicles follow again.
@@ -185,7 +195,7 @@ impl Fly {
             .crew()
             .filter(|&index| {
                 let vehicle = &station.vehicles[index];
-                vehicle.is_ours() && vehicle.follows() && station.state_now(index, now).is_some()
+                vehicle.is_ours() && !vehicle.paused && vehicle.follows() && station.state_now(index, now).is_some()
             })
             .collect();
         if members != self.members || self.flock.is_none() {
@@ -200,6 +210,9 @@ impl Fly {
         flock.set_margins(&margins_m);
         flock.set_reference_speeds(&reference_speeds_mps);
         flock.set_winds(winds);
+        let is_watched = |member: &usize| station.watched().contains(&self.members[*member]);
+        flock.watch(&(0..self.members.len()).filter(is_watched).collect::<Vec<_>>());
+        self.decided = now;
         let decisions: Vec<Decision> = match (&mut self.steps, states.first()) {
             (Some(steps), Some(first)) => {
                 let setpoint = steps.setpoint(now.saturating_sub(self.began).as_secs_f64(), first);
@@ -311,7 +324,20 @@ impl Fly {
                 }
                 Verb::Resume if self.paused => {
                     (self.paused, self.resuming) = (false, true);
+                    station.crew().for_each(|index| station.vehicles[index].paused = false);
                     station.told.tell(now_s, None, Weight::Note, "resumed by the operator");
+                }
+                Verb::PauseOne(vehicle) if station.crew().contains(&(vehicle - 1)) => {
+                    station.vehicles[vehicle - 1].paused = true;
+                    let text = "paused by the operator: it holds where it is";
+                    station.told.tell(now_s, Some(number(vehicle - 1)), Weight::Note, text);
+                }
+                Verb::ResumeOne(vehicle) if station.crew().contains(&(vehicle - 1)) => {
+                    let resumed = &mut station.vehicles[vehicle - 1];
+                    if resumed.paused {
+                        (resumed.paused, resumed.entered) = (false, false);
+                        station.told.tell(now_s, Some(number(vehicle - 1)), Weight::Note, "resumed by the operator");
+                    }
                 }
                 Verb::Drop(vehicle, at_end) if station.crew().contains(&(vehicle - 1)) => {
                     station.vehicles[vehicle - 1].dropped = true;
@@ -325,11 +351,11 @@ impl Fly {
                 }
                 Verb::Take(vehicle) if station.crew().contains(&(vehicle - 1)) => {
                     let taken = &mut station.vehicles[vehicle - 1];
-                    (taken.dropped, taken.released, taken.entered) = (false, None, false);
+                    (taken.dropped, taken.paused, taken.released, taken.entered) = (false, false, None, false);
                     let text = "taken back by the operator";
                     station.told.tell(now_s, Some(number(vehicle - 1)), Weight::Note, text);
                 }
-                Verb::Drop(vehicle, _) | Verb::Take(vehicle) => {
+                Verb::Drop(vehicle, _) | Verb::Take(vehicle) | Verb::PauseOne(vehicle) | Verb::ResumeOne(vehicle) => {
                     station.told.tell(now_s, None, Weight::Note, format!("there is no vehicle {vehicle}"));
                 }
                 _ => {}
@@ -338,7 +364,8 @@ impl Fly {
         for index in station.crew() {
             let vehicle = &station.vehicles[index];
             let Some(driver) = vehicle.driver().cloned() else { continue };
-            let holds = vehicle.dropped || (self.paused && vehicle.is_ours());
+            let is_paused = self.paused || vehicle.paused;
+            let holds = vehicle.dropped || (is_paused && vehicle.is_ours());
             let mode = driver.end_mode(if vehicle.dropped { vehicle.dropped_to } else { AtEnd::Loiter });
             let is_told_otherwise = vehicle.dropped && vehicle.holds() && mode != Some(vehicle.custom_mode);
             if holds && (vehicle.follows() || is_told_otherwise) {
@@ -347,7 +374,7 @@ impl Fly {
                     station.order(index, "hold", message, now);
                     station.vehicles[index].was_told_to_hold(now);
                 }
-            } else if vehicle.is_ours() && !vehicle.entered && !self.paused && !vehicle.on_ground() {
+            } else if vehicle.is_ours() && !vehicle.entered && !is_paused && !vehicle.on_ground() {
                 if vehicle.follows_for_good() {
                     station.vehicles[index].entered = true;
                 } else {

@@ -119,6 +119,8 @@ pub struct Station {
     /// Until then what a stalled machine has not read yet is waited for.
     catching_up_until: Duration,
     clock: SolveClock,
+    /// Indices of the vehicles whose choices are told.
+    watched: Vec<usize>,
 }
 
 /// Why a flight is to end before its time.
@@ -186,6 +188,7 @@ impl Station {
             polled: None,
             catching_up_until: Duration::ZERO,
             clock,
+            watched: Vec::new(),
         }
     }
 
@@ -226,11 +229,23 @@ impl Station {
     pub fn refuses(&self, verb: Verb) -> Option<String> {
         match verb {
             _ if self.is_over() || matches!(self.phase, Phase::End(_)) => Some("the flight is over".to_owned()),
-            Verb::Drop(vehicle, _) | Verb::Take(vehicle) if vehicle > self.scenario.starts.len() => {
+            Verb::Drop(vehicle, _) | Verb::Take(vehicle) | Verb::PauseOne(vehicle) | Verb::ResumeOne(vehicle)
+                if vehicle > self.scenario.starts.len() =>
+            {
                 Some(format!("there is no vehicle {vehicle}"))
             }
             _ => None,
         }
+    }
+
+    /// Sets of which vehicles it is told what there was to choose from; decisions are the same.
+    pub fn watch(&mut self, vehicles: Vec<usize>) {
+        self.watched = vehicles;
+    }
+
+    /// Indices of the vehicles of which that is told.
+    pub fn watched(&self) -> &[usize] {
+        &self.watched
     }
 
     /// The verbs that nobody has carried out yet.

@@ -4,13 +4,15 @@ use mavlink_bridge::dialect::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, Messa
 use mavlink_bridge::kind::AtEnd;
 
 /// All verbs, as the page of `--view` offers them.
-pub const VERBS: [&str; 11] = [
+pub const VERBS: [&str; 13] = [
     "pause",
     "resume",
     "abort",
     "abort loiter",
     "abort return",
     "abort land",
+    "pause N",
+    "resume N",
     "drop N",
     "loiter N",
     "return N",
@@ -27,6 +29,10 @@ pub enum Verb {
     Resume,
     /// The flight is over. The vehicles end as they were to end, or as is said here.
     Abort(Option<AtEnd>),
+    /// This one holds where it is, and is the flock's still.
+    PauseOne(usize),
+    /// It flies on.
+    ResumeOne(usize),
     /// This one is flown no more: it holds where it is, or returns, or lands.
     Drop(usize, AtEnd),
     /// This one is flown again.
@@ -42,6 +48,8 @@ impl std::fmt::Display for Verb {
         match self {
             Self::Pause => f.write_str("pause"),
             Self::Resume => f.write_str("resume"),
+            Self::PauseOne(vehicle) => write!(f, "pause {vehicle}"),
+            Self::ResumeOne(vehicle) => write!(f, "resume {vehicle}"),
             Self::Abort(None) => f.write_str("abort"),
             Self::Abort(Some(at_end)) => write!(f, "abort {}", name(at_end)),
             Self::Drop(vehicle, AtEnd::Loiter) => write!(f, "drop {vehicle}"),
@@ -66,9 +74,11 @@ impl std::str::FromStr for Verb {
             ["abort", "return"] => Ok(Self::Abort(Some(AtEnd::Return))),
             ["abort", "land"] => Ok(Self::Abort(Some(AtEnd::Land))),
             ["status"] => Ok(Self::Status),
-            [verb @ ("drop" | "loiter" | "return" | "land" | "take"), vehicle] => {
+            [verb @ ("pause" | "resume" | "drop" | "loiter" | "return" | "land" | "take"), vehicle] => {
                 let Some(vehicle) = number(vehicle) else { return Err(format!("{verb} N: N is a vehicle's number")) };
                 Ok(match verb {
+                    "pause" => Self::PauseOne(vehicle),
+                    "resume" => Self::ResumeOne(vehicle),
                     "take" => Self::Take(vehicle),
                     "return" => Self::Drop(vehicle, AtEnd::Return),
                     "land" => Self::Drop(vehicle, AtEnd::Land),
@@ -76,19 +86,22 @@ impl std::str::FromStr for Verb {
                 })
             }
             _ => Err(format!(
-                "\"{}\": must be pause, resume, abort, abort loiter, abort return, abort land, drop N, loiter N, \
-                 return N, land N, take N or status",
+                "\"{}\": must be pause, resume, abort, abort loiter, abort return, abort land, pause N, resume N, \
+                 drop N, loiter N, return N, land N, take N or status",
                 line.trim()
             )),
         }
     }
 }
 
-/// Number of MAV_CMD_USER_1: param 1 is 1 to abort, 2 to drop vehicle param 2, 3 to take it. Param 3 says how vehicles
-/// end: 0 as they were to end, or holding where a vehicle is dropped; 1 loiter, 2 return, 3 land.
+/// Number of MAV_CMD_USER_1: param 1 is 1 to abort, 2 to drop vehicle param 2, 3 to take it, 4 to pause it and 5 to
+/// resume it. Param 3 says how vehicles end: 0 as they were to end, or holding where a vehicle is dropped; 1 loiter, 2
+/// return, 3 land.
 const ABORT: f32 = 1.0;
 const DROP: f32 = 2.0;
 const TAKE: f32 = 3.0;
+const PAUSE: f32 = 4.0;
+const RESUME: f32 = 5.0;
 
 /// The verb of a command to the station, and the command's number to answer; none if it is none of ours.
 ///
@@ -118,6 +131,8 @@ pub fn commanded(message: &Message) -> Option<(MavCmd, Option<Verb>)> {
             vehicle.map(|vehicle| Verb::Drop(vehicle, at_end.unwrap_or(AtEnd::Loiter)))
         }
         MavCmd::MAV_CMD_USER_1 if param1 == TAKE => vehicle.map(Verb::Take),
+        MavCmd::MAV_CMD_USER_1 if param1 == PAUSE => vehicle.map(Verb::PauseOne),
+        MavCmd::MAV_CMD_USER_1 if param1 == RESUME => vehicle.map(Verb::ResumeOne),
         _ => None,
     };
     Some((command, verb))
@@ -134,7 +149,9 @@ mod tests {
         assert_eq!("land 2".parse(), Ok(Verb::Drop(2, AtEnd::Land)));
         assert_eq!("abort return".parse(), Ok(Verb::Abort(Some(AtEnd::Return))));
         for verb in VERBS {
-            assert!(verb.replace('N', "1").parse::<Verb>().is_ok(), "{verb}");
+            let said = verb.replace('N', "1");
+            let parsed = said.parse::<Verb>().unwrap();
+            assert!(parsed.to_string() == said || said == "loiter 1", "{parsed} is what {said} means");
         }
         for wrong in ["drop", "drop 0", "drop x", "stop", "", "take -1"] {
             assert!(wrong.parse::<Verb>().is_err(), "{wrong}");
@@ -153,6 +170,8 @@ mod tests {
         };
         assert_eq!(command(MavCmd::MAV_CMD_DO_PAUSE_CONTINUE, 0.0, 0.0).unwrap().1, Some(Verb::Pause));
         assert_eq!(command(MavCmd::MAV_CMD_USER_1, 2.0, 4.0).unwrap().1, Some(Verb::Drop(4, AtEnd::Loiter)));
+        assert_eq!(command(MavCmd::MAV_CMD_USER_1, 4.0, 2.0).unwrap().1, Some(Verb::PauseOne(2)));
+        assert_eq!(command(MavCmd::MAV_CMD_USER_1, 5.0, 2.0).unwrap().1, Some(Verb::ResumeOne(2)));
         assert_eq!(command(MavCmd::MAV_CMD_USER_1, 2.0, f32::NAN).unwrap().1, None);
         assert_eq!(command(MavCmd::MAV_CMD_NAV_LAND, 0.0, 0.0).unwrap().1, None);
     }

@@ -256,6 +256,7 @@ impl Shell {
         let station_now = self.now(now);
         if let Some(view) = &mut self.view {
             view.show(station, station_now, now, self.speed);
+            station.watch(view.watched(station));
         }
         if !self.quiet && std::io::stderr().is_terminal() && now >= self.draw_at {
             self.draw_at = now + DRAW;

@@ -21,6 +21,8 @@ pub fn lines(station: &Station, recent_m: [f64; 2], now: Duration) -> Vec<String
             mode.push_str(" (released)");
         } else if vehicle.dropped {
             mode.push_str(" (dropped)");
+        } else if vehicle.paused {
+            mode.push_str(" (paused)");
         }
         let number_or = |value: Option<f64>, digits: usize| {
             value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))

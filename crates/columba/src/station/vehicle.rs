@@ -143,6 +143,8 @@ pub struct Vehicle {
     pub dropped: bool,
     /// What it does then.
     pub dropped_to: AtEnd,
+    /// Whether the operator has paused it alone.
+    pub paused: bool,
     /// What it was told last, and when.
     pub setpoint: Option<flight_model::Setpoint>,
     /// When its setpoint was last sent.
@@ -194,6 +196,7 @@ impl Vehicle {
             released: None,
             dropped: false,
             dropped_to: AtEnd::Loiter,
+            paused: false,
             setpoint: None,
             setpoint_sent: None,
             is_doubled: false,

@@ -1,9 +1,10 @@
 //! A flock as the tick loop of `columba run` flies it.
 
+use super::choices;
 use super::craft::place;
 use crate::flight::vehicle_number;
 use crate::judge::{Least, Verdict};
-use controller::Decision;
+use controller::{Decision, Flock};
 use flight_model::State;
 use live_view::{Feed, Steering, VehicleNow};
 use std::time::Duration;
@@ -43,6 +44,16 @@ impl FlockView {
             frame.least_separation = verdict.separation.map(|least| shown_least(least, |pair| pair.to_vec()));
             frame.least_clearance = verdict.clearance.map(|least| shown_least(least, |one| vec![one]));
         });
+    }
+
+    /// Of which vehicles the next tick is to tell what there was to choose from.
+    pub fn watched(&self, vehicles: usize) -> Vec<usize> {
+        choices::watched(&self.feed, vehicles)
+    }
+
+    /// What the watched vehicles had to choose from at the tick of a flight time.
+    pub fn chosen(&self, now: Duration, flock: &Flock) {
+        flock.insights().for_each(|(index, insight)| choices::tell(&self.feed, index, insight, now.as_secs_f64()));
     }
 }
 

@@ -1,11 +1,12 @@
 //! `columba view --link`: any autopilots that speak on a link, without flying anything.
 
 use super::heard::Flock;
+use super::read_plans::PlanReader;
 use crate::flying::{Stop, stopped};
 use crate::station::peers::Peers;
 use crate::station::telemetry;
 use crate::station::vehicle::Route;
-use live_view::{Feed, Scene, VehicleNow};
+use live_view::{Feed, Scene, VehicleNow, Wind};
 use mavlink_bridge::dialect::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType, Message};
 use mavlink_bridge::link::{Arrival, Framer, LinkEvent, Links};
 use mavlink_bridge::{Counters, Encoder};
@@ -17,17 +18,33 @@ const LISTENER: (u8, u8) = (254, 190);
 const ASK_AFTER: Duration = Duration::from_secs(2);
 /// Frames are shown so often.
 const SHOW: Duration = Duration::from_millis(50);
+/// A wind that differs by less is the same.
+const WIND_STEP_MPS: f64 = 0.5;
+const WIND_STEP_DEG: f64 = 10.0;
 const BEAT: Duration = Duration::from_secs(1);
 
-/// Shows what is heard until it is stopped, or all links have ended. `speaks` lets it send heartbeats, which some links
-/// need before anybody answers, and ask for positions that do not come by themselves.
-pub async fn listen(feed: Feed, mut links: Links, calls: Vec<Route>, speaks: bool, scene: Scene, mut stop: Stop) {
-    feed.scene(scene);
+/// What a listener says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asks {
+    /// Nothing at all.
+    Nothing,
+    /// Heartbeats, which some links need before anybody answers, and requests for positions that do not come by
+    /// themselves.
+    Positions,
+    /// That, and requests for plans.
+    Plans,
+}
+
+/// Shows what is heard until it is stopped, or all links have ended.
+pub async fn listen(feed: Feed, mut links: Links, calls: Vec<Route>, asks: Asks, scene: Scene, mut stop: Stop) {
+    feed.scene(scene.clone());
     let mut listener = Listener {
         feed,
+        scene,
         flock: Flock::new(true),
         peers: Peers::default(),
         counters: Counters::default(),
+        readers: Vec::new(),
         started: Instant::now(),
         beat: None,
     };
@@ -48,8 +65,8 @@ pub async fn listen(feed: Feed, mut links: Links, calls: Vec<Route>, speaks: boo
             () = tokio::time::sleep_until(next) => {
                 next = tokio::time::Instant::now() + SHOW;
                 listener.show();
-                if speaks {
-                    listener.speak(&mut links);
+                if asks != Asks::Nothing {
+                    listener.speak(&mut links, asks == Asks::Plans);
                 }
             }
         }
@@ -58,9 +75,12 @@ pub async fn listen(feed: Feed, mut links: Links, calls: Vec<Route>, speaks: boo
 
 struct Listener {
     feed: Feed,
+    scene: Scene,
     flock: Flock<Route>,
     peers: Peers<Wire>,
     counters: Counters,
+    /// Of the plans of each autopilot.
+    readers: Vec<PlanReader>,
     started: Instant,
     beat: Option<Instant>,
 }
@@ -85,10 +105,7 @@ impl Listener {
         let Self { flock, peers, counters, .. } = self;
         let mut heard = false;
         let take = |found: mavlink_bridge::link::Found<'_>| {
-            let frame = found.frame();
-            if let Ok(message) = frame.message() {
-                heard |= flock.hear(&frame.header, &message, route, now).is_some();
-            }
+            heard |= flock.hear_frame(&found.frame(), route, now).is_some();
         };
         let Wire { framer, is_spoken_to, .. } = peers.of(route, Wire::new);
         if arrival.is_stream {
@@ -99,8 +116,34 @@ impl Listener {
         *is_spoken_to |= heard;
     }
 
+    /// Plans and wind, if they are others than they were.
+    fn show_scene(&mut self, now: Duration) {
+        let outlines = self.flock.take_outlines();
+        let wind = self.flock.wind(now);
+        let differs = |a: &Wind, b: &Wind| {
+            let turned_deg = ((a.from_deg - b.from_deg + 180.0).rem_euclid(360.0) - 180.0).abs();
+            (a.speed_mps - b.speed_mps).abs() > WIND_STEP_MPS
+                || (turned_deg > WIND_STEP_DEG && a.speed_mps > WIND_STEP_MPS)
+        };
+        let has_turned = match (&wind, &self.scene.wind) {
+            (Some(wind), Some(shown)) => differs(wind, shown),
+            (wind, shown) => wind.is_some() != shown.is_some(),
+        };
+        if outlines.is_none() && !has_turned {
+            return;
+        }
+        if let Some(outlines) = outlines {
+            self.scene.outlines = outlines;
+        }
+        if has_turned {
+            self.scene.wind = wind;
+        }
+        self.feed.scene(self.scene.clone());
+    }
+
     fn show(&mut self) {
         let now = self.started.elapsed();
+        self.show_scene(now);
         for (at, event) in self.flock.events.drain(..) {
             self.feed.tell(live_view::Event { at_s: at.as_secs_f64(), ..event });
         }
@@ -122,7 +165,7 @@ impl Listener {
         });
     }
 
-    fn speak(&mut self, links: &mut Links) {
+    fn speak(&mut self, links: &mut Links, asks_for_plans: bool) {
         let now = self.started.elapsed();
         let beats = self.beat.is_none_or(|beat| beat.elapsed() >= BEAT);
         let mut outgoing: Vec<(Route, Vec<Message>)> = Vec::new();
@@ -135,6 +178,17 @@ impl Listener {
             let since = now.saturating_sub(one.placed.or(one.vehicle.first_heartbeat).unwrap_or(now));
             if since > ASK_AFTER {
                 outgoing.push((one.way, telemetry::ask(&mut one.vehicle, telemetry::POSITION_HZ, false, now)));
+            }
+        }
+        if asks_for_plans {
+            self.readers.resize(self.flock.all.len(), PlanReader::default());
+            for (one, reader) in self.flock.all.iter().zip(&mut self.readers) {
+                // Where its places are is known once it has told one.
+                if one.placed.is_some() {
+                    let knows_home = one.vehicle.home.is_some();
+                    let asked = reader.ask(one.vehicle.target, &self.flock.plans, knows_home, now);
+                    outgoing.push((one.way, asked));
+                }
             }
         }
         for (route, messages) in outgoing.into_iter().filter(|(_, messages)| !messages.is_empty()) {

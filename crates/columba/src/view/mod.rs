@@ -1,10 +1,14 @@
 //! What the page of `--view` and `columba view` is told: scenes and frames of scenarios, simulated vehicles, the ground
 //! station, links and logs. The page itself is the crate `live_view`.
 
+mod choices;
 mod craft;
 mod flock;
 mod heard;
+mod heard_plans;
 pub mod listen;
+mod plans;
+mod read_plans;
 mod scene;
 mod station;
 pub mod tlog;

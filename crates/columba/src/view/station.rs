@@ -1,5 +1,6 @@
 //! The ground station on the page: what it sees and decides, and the operator's words to it.
 
+use super::choices;
 use super::craft::place;
 use super::flock::shown_least;
 use crate::config::Scenario;
@@ -20,6 +21,8 @@ pub struct StationView {
     words: Option<mpsc::Receiver<Said>>,
     shown: Option<Instant>,
     events: usize,
+    /// Decisions whose choices were told.
+    told_ticks: u64,
 }
 
 impl StationView {
@@ -32,7 +35,7 @@ impl StationView {
             ..super::scene_of(scenario, "columba fly")
         });
         let words = view.take_words();
-        Self { view, words, shown: None, events: 0 }
+        Self { view, words, shown: None, events: 0, told_ticks: 0 }
     }
 
     /// What is said on the page next. Cancel safe.
@@ -64,6 +67,11 @@ impl StationView {
         };
         // A page that is gone needs no answer.
         let _ = said.answer.send(answer);
+    }
+
+    /// Of which vehicles the next decision is to tell what there was to choose from.
+    pub fn watched(&self, station: &Station) -> Vec<usize> {
+        choices::watched(&self.view.feed(), station.vehicles.len())
     }
 
     /// What was refused on the page, in words, if anything was.
@@ -104,6 +112,11 @@ impl StationView {
             Phase::Fly(fly) => Some(&**fly),
             _ => None,
         };
+        if let Some(fly) = fly.filter(|fly| fly.ticks() != self.told_ticks) {
+            self.told_ticks = fly.ticks();
+            let (at_s, insights) = fly.insights();
+            insights.for_each(|(index, insight)| choices::tell(&feed, index, insight, at_s));
+        }
         feed.update(|frame| {
             frame.time_s = now.as_secs_f64() - began_s.unwrap_or(0.0);
             frame.rate = speed;

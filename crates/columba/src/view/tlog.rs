@@ -1,9 +1,10 @@
 //! `columba view FILE.tlog`: telemetry logs, ours and other people's, as recordings for the page.
 
-use super::heard::{Flock, SHOWN};
-use flight_model::{State, wrap_pi};
-use live_view::{Event, Frame as Shown, Recording, Scene, VehicleNow, Weight};
+use super::heard::{Flock, SHOWN, free_number};
+use flight_model::{LocalFrame, State, wrap_pi};
+use live_view::{Event, Frame as Shown, Outline, Recording, Scene, VehicleNow, Weight};
 use mavlink_bridge::Frame;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
 
@@ -13,8 +14,12 @@ const ROWS_MAX: usize = 300_000;
 const STEP_S: f64 = 0.1;
 /// Between two positions that are further apart than this, nobody knows where the vehicle was, s.
 const GAP_MAX_S: f64 = 1.5;
-/// Two records of one log that are further apart than this are not of one log, microseconds.
-const JUMP_MAX_US: u64 = 7 * 24 * 3600 * 1_000_000;
+/// Where the time of a record is so far ahead of the one before, or behind, the clock was set meanwhile, microseconds:
+/// a computer without a battery for its clock learns the time after it has started.
+const AHEAD_MAX_US: u64 = 24 * 3600 * 1_000_000;
+const BEHIND_MAX_US: u64 = 2_000_000;
+/// So many jumps of a clock are told.
+const JUMPS_MAX: usize = 20;
 const TIME: usize = 8;
 const LOCAL_POSITION_NED: u32 = 32;
 
@@ -25,10 +30,47 @@ pub struct Log {
     samples: Vec<Vec<Sample>>,
     /// The first and the last record, microseconds since the Unix epoch.
     span_us: Option<(u64, u64)>,
+    clock: Clock,
     /// Records that were read.
     pub records: u64,
     /// Bytes between them that are no record.
     pub skipped_bytes: u64,
+}
+
+/// The clock by which a log was written, without its jumps.
+#[derive(Default)]
+struct Clock {
+    /// Time of the last record as written, and as it is taken.
+    last_us: Option<(u64, u64)>,
+    /// The first jumps: when, and by how many seconds.
+    jumps: Vec<(u64, f64)>,
+}
+
+impl Clock {
+    /// Whether a record of this time may follow the last one.
+    fn goes_on(&self, written_us: u64) -> bool {
+        self.last_us.is_some_and(|(last_us, _)| {
+            written_us < last_us.saturating_add(AHEAD_MAX_US) && written_us.saturating_add(BEHIND_MAX_US) > last_us
+        })
+    }
+
+    /// The time of the next record.
+    fn at_us(&mut self, written_us: u64) -> u64 {
+        let at_us = match self.last_us {
+            None => written_us,
+            Some((last_us, at_us)) if self.goes_on(written_us) => at_us
+                .saturating_add(written_us.saturating_sub(last_us))
+                .saturating_sub(last_us.saturating_sub(written_us)),
+            Some((last_us, at_us)) => {
+                if self.jumps.len() < JUMPS_MAX {
+                    self.jumps.push((at_us, (written_us as f64 - last_us as f64) * 1e-6));
+                }
+                at_us
+            }
+        };
+        self.last_us = Some((written_us, at_us));
+        at_us
+    }
 }
 
 /// A vehicle as it said that it was.
@@ -39,10 +81,13 @@ struct Sample {
 }
 
 impl Log {
-    /// Reads a log; what is no record is skipped, and counted.
-    pub fn read(bytes: &[u8]) -> Self {
-        let mut log =
-            Self { flock: Flock::new(false), samples: Vec::new(), span_us: None, records: 0, skipped_bytes: 0 };
+    /// Reads a log; what is no record is skipped, and counted. Places are in the frame of another log, where there is
+    /// one: those of several are shown together.
+    pub fn read(bytes: &[u8], frame: Option<LocalFrame>) -> Self {
+        let mut flock = Flock::new(false);
+        flock.frame = frame;
+        let clock = Clock::default();
+        let mut log = Self { flock, samples: Vec::new(), span_us: None, clock, records: 0, skipped_bytes: 0 };
         let mut at = 0;
         while let Some(length) = log.length_at(bytes, at) {
             let Some(length) = length else {
@@ -50,7 +95,7 @@ impl Log {
                 log.skipped_bytes += 1;
                 continue;
             };
-            let at_us = time_us(bytes, at);
+            let at_us = log.clock.at_us(time_us(bytes, at));
             let first_us = log.span_us.map_or(at_us, |(first_us, _)| first_us.min(at_us));
             log.span_us = Some((first_us, log.span_us.map_or(at_us, |(_, last_us)| last_us.max(at_us))));
             log.records += 1;
@@ -65,8 +110,10 @@ impl Log {
     fn length_at(&self, bytes: &[u8], at: usize) -> Option<Option<usize>> {
         let head = bytes.get(at..at + TIME + 3)?;
         let length = Frame::length(head[TIME], head[TIME + 1], head[TIME + 2]);
-        let is_near = self.span_us.is_none_or(|(_, last_us)| time_us(bytes, at).abs_diff(last_us) < JUMP_MAX_US);
-        Some(length.filter(|length| is_near && at + TIME + length <= bytes.len()))
+        let length = length.filter(|length| at + TIME + length <= bytes.len());
+        // What is no record has any time: where the time tells nothing, the checksum must.
+        let goes_on = self.clock.goes_on(time_us(bytes, at));
+        Some(length.filter(|length| goes_on || Frame::parse(&bytes[at + TIME..at + TIME + length]).is_ok()))
     }
 
     fn take(&mut self, frame: &[u8], at_us: u64) {
@@ -82,10 +129,9 @@ impl Log {
             return;
         }
         let Ok(frame) = Frame::parse(frame) else { return };
-        let Ok(message) = frame.message() else { return };
         let (first_us, _) = self.span_us.unwrap_or((at_us, at_us));
         let now = Duration::from_micros(at_us.saturating_sub(first_us));
-        let Some(index) = self.flock.hear(&frame.header, &message, (), now) else { return };
+        let Some(index) = self.flock.hear_frame(&frame, (), now) else { return };
         self.samples.resize_with(self.flock.all.len(), Vec::new);
         let Some(state) = self.flock.all[index].state else { return };
         let samples = &mut self.samples[index];
@@ -102,6 +148,11 @@ impl Log {
         }
     }
 
+    /// The frame of its places, once one was heard.
+    pub fn frame(&self) -> Option<LocalFrame> {
+        self.flock.frame
+    }
+
     /// How many vehicles there are of which it is known where they were.
     pub fn vehicles(&self) -> usize {
         self.samples.iter().filter(|samples| !samples.is_empty()).count()
@@ -109,7 +160,7 @@ impl Log {
 }
 
 /// Logs as one recording. They share a clock where their times overlap; else each begins at zero.
-pub fn recording(logs: &[(&Path, Log)], mut scene: Scene) -> Recording {
+pub fn recording(logs: &mut [(&Path, Log)], mut scene: Scene) -> Recording {
     let spans: Vec<(u64, u64)> = logs.iter().map(|(_, log)| log.span_us.unwrap_or((0, 0))).collect();
     let first_us = spans.iter().map(|span| span.0).min().unwrap_or(0);
     let overlap = spans.iter().all(|a| spans.iter().all(|b| a.0 <= b.1 && b.0 <= a.1));
@@ -120,11 +171,40 @@ pub fn recording(logs: &[(&Path, Log)], mut scene: Scene) -> Recording {
     let step_s = (duration_s * vehicles as f64 / ROWS_MAX as f64).max(STEP_S);
     scene.distances_rest_on = "of positions as they were logged, between which it is a straight line".to_owned();
 
+    // In several logs the same number may be that of several vehicles.
+    let mut taken: BTreeSet<u32> = BTreeSet::new();
+    let mut numbers: Vec<BTreeMap<u32, u32>> = Vec::new();
+    for (log, (_, read)) in logs.iter_mut().enumerate() {
+        let mut own = BTreeMap::new();
+        for one in &read.flock.all {
+            let number = free_number(one.number, |number| taken.contains(&number));
+            taken.insert(number);
+            own.insert(one.number, number);
+        }
+        let number = |number: u32| own.get(&number).copied();
+        let outlines = read.flock.take_outlines().unwrap_or_default();
+        scene.outlines.extend(
+            outlines.into_iter().map(|outline| Outline { vehicle: outline.vehicle.and_then(number), ..outline }),
+        );
+        let duration = Duration::from_micros(spans[log].1 - spans[log].0);
+        scene.wind = scene.wind.or(read.flock.wind(duration));
+        numbers.push(own);
+    }
+    let number = |log: usize, own: u32| numbers[log].get(&own).copied().unwrap_or(own);
     let mut recording = Recording::new(scene);
     let mut tracks = Vec::new();
     for (log, (path, read)) in logs.iter().enumerate() {
         for (index, samples) in read.samples.iter().enumerate().filter(|(_, samples)| !samples.is_empty()) {
-            tracks.push(Track { samples, zero_us: zero_us(log), next: 0, number: tracks.len() as u32 + 1, index, log });
+            let number = number(log, read.flock.all[index].number);
+            tracks.push(Track { samples, zero_us: zero_us(log), next: 0, number, index });
+        }
+        for (at_us, jump_s) in &read.clock.jumps {
+            let text = format!(
+                "{}: the clock of the log jumps by {jump_s:.0} s here: the time goes on as if it had not",
+                path.display()
+            );
+            let at_s = at_us.saturating_sub(zero_us(log)) as f64 * 1e-6;
+            recording.tell(Event { at_s, vehicles: Vec::new(), weight: Weight::Warning, text });
         }
         if read.skipped_bytes > 0 {
             let text = format!("{}: {} bytes are no MAVLink and were skipped", path.display(), read.skipped_bytes);
@@ -132,10 +212,7 @@ pub fn recording(logs: &[(&Path, Log)], mut scene: Scene) -> Recording {
         }
         let began_s = (spans[log].0 - zero_us(log)) as f64 * 1e-6;
         for (at, event) in &read.flock.events {
-            let numbered = tracks
-                .iter()
-                .find(|track| track.log == log && event.vehicles == [crate::flight::vehicle_number(track.index)]);
-            let vehicles = numbered.map(|track| vec![track.number]).unwrap_or_default();
+            let vehicles = event.vehicles.iter().map(|&own| number(log, own)).collect();
             recording.tell(Event { at_s: began_s + at.as_secs_f64(), vehicles, ..event.clone() });
         }
     }
@@ -160,7 +237,6 @@ struct Track<'a> {
     next: usize,
     number: u32,
     index: usize,
-    log: usize,
 }
 
 impl Track<'_> {
@@ -230,6 +306,11 @@ mod tests {
 
     /// Vehicles 3 and 9, of which 9 leaves GUIDED (15) for RTL (11) after four seconds.
     fn log_of_two() -> Vec<u8> {
+        log_from(0.0)
+    }
+
+    /// The same, so many metres north of there.
+    fn log_from(north_m: f64) -> Vec<u8> {
         let origin = Geodetic { latitude_deg: 40.0, longitude_deg: 116.0, altitude_amsl_m: 30.0 };
         let frame = LocalFrame::new(origin);
         let mut log = TlogWriter::new(Vec::new());
@@ -237,7 +318,7 @@ mod tests {
             let at_us = 1_700_000_000_000_000 + 100_000 * u64::from(tick);
             for (system, y_m) in [(3, 0.0), (9, 8.0)] {
                 let mode = if system == 9 && tick > 40 { 11 } else { 15 };
-                let x_m = 1.0 * f64::from(tick);
+                let x_m = north_m + f64::from(tick);
                 let state = State { x_m, y_m, altitude_m: 50.0, speed_mps: 10.0, ..State::default() };
                 let position =
                     global_position_int(Duration::from_millis(100 * u64::from(tick)), &state, 0.0, &frame, 0.0);
@@ -254,9 +335,10 @@ mod tests {
     #[test]
     fn a_log_is_played_back_with_what_happened_in_it() {
         let bytes = log_of_two();
-        let log = Log::read(&bytes);
+        let log = Log::read(&bytes, None);
         assert_eq!((log.records, log.vehicles(), log.skipped_bytes), (400, 2, 0));
-        let recording = recording(&[(Path::new("two.tlog"), log)], Scene { separation_m: 10.0, ..Scene::default() });
+        let recording =
+            recording(&mut [(Path::new("two.tlog"), log)], Scene { separation_m: 10.0, ..Scene::default() });
         let head: serde_json::Value = serde_json::from_str(&recording.head().unwrap()).unwrap();
         assert_eq!(head["roster"]["systems"], serde_json::json!([3, 9]));
         let told = head["told"].to_string();
@@ -275,11 +357,51 @@ mod tests {
         bytes.extend_from_slice(&[0xFD; 333]);
         bytes.extend_from_slice(&whole);
         bytes.truncate(bytes.len() - 5);
-        let log = Log::read(&bytes);
+        let log = Log::read(&bytes, None);
         assert!(log.records > 550 && log.skipped_bytes > 300, "{} {}", log.records, log.skipped_bytes);
-        let recording = recording(&[(Path::new("torn.tlog"), log)], Scene::default());
+        let recording = recording(&mut [(Path::new("torn.tlog"), log)], Scene::default());
         assert!(recording.head().unwrap().contains("are no MAVLink and were skipped"));
-        let nothing = Log::read(b"this is a text, and no log of telemetry");
+        let nothing = Log::read(b"this is a text, and no log of telemetry", None);
         assert_eq!((nothing.records, nothing.vehicles()), (0, 0));
+    }
+
+    #[test]
+    fn a_clock_that_is_set_meanwhile_tears_no_log() {
+        let whole = log_of_two();
+        let year_us = 365 * 24 * 3600 * 1_000_000_u64;
+        for jump_us in [year_us, year_us.wrapping_neg(), 10_000_000_u64.wrapping_neg()] {
+            let mut bytes = whole.clone();
+            let (mut at, mut record) = (0, 0);
+            while at < bytes.len() {
+                if record >= 200 {
+                    let set_us = time_us(&bytes, at).wrapping_add(jump_us);
+                    bytes[at..at + TIME].copy_from_slice(&set_us.to_be_bytes());
+                }
+                at += TIME + Frame::length(bytes[at + TIME], bytes[at + TIME + 1], bytes[at + TIME + 2]).unwrap();
+                record += 1;
+            }
+            let log = Log::read(&bytes, None);
+            assert_eq!((log.records, log.skipped_bytes), (400, 0));
+            let (first_us, last_us) = log.span_us.unwrap();
+            assert!((9_700_000..10_000_000).contains(&(last_us - first_us)), "{}", last_us - first_us);
+            let recording = recording(&mut [(Path::new("set.tlog"), log)], Scene::default());
+            assert!(recording.head().unwrap().contains("the clock of the log jumps by"));
+        }
+    }
+
+    #[test]
+    fn several_logs_are_in_one_frame_and_their_vehicles_are_numbered_through() {
+        let (here, there) = (log_from(0.0), log_from(300.0));
+        let first = Log::read(&here, None);
+        let second = Log::read(&there, first.frame());
+        let mut logs = [(Path::new("here.tlog"), first), (Path::new("there.tlog"), second)];
+        let recording = recording(&mut logs, Scene::default());
+        let head: serde_json::Value = serde_json::from_str(&recording.head().unwrap()).unwrap();
+        assert_eq!(head["roster"]["numbers"], serde_json::json!([3, 9, 1003, 1009]));
+        let frames = recording.frames();
+        let length = u32::from_le_bytes(frames[..4].try_into().unwrap()) as usize;
+        let places = live_view::wire::places(&frames[4..4 + length]).unwrap().vehicles;
+        let apart_m = places[2].unwrap()[0] - places[0].unwrap()[0];
+        assert!((apart_m - 300.0).abs() < 0.1, "{apart_m}");
     }
 }

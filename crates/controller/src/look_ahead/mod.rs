@@ -9,7 +9,7 @@
 
 use crate::command::Commander;
 use crate::forecast::Passage;
-use crate::rollout::{BATCH, Each, Extent, Rollout, Step};
+use crate::rollout::{BATCH, Each, Extent, Places, Rollout, Step};
 use crate::{Expected, LawSettings, LookAheadSettings, Obstacle, ObstacleRule, WeightKind};
 use flight_model::{Dynamics, State, Wind};
 use multiversion::multiversion;
@@ -108,11 +108,30 @@ impl LookAhead {
         pigeons: usize,
         rollout: &'f mut Rollout,
     ) -> &'f [f64] {
-        fly(self, scene, Some(commands), &weights.map(|weight| [weight; BATCH]), pigeons, rollout);
+        fly(self, scene, Some(commands), &weights.map(|weight| [weight; BATCH]), pigeons, rollout, None);
         &rollout.violation_m[..pigeons.min(BATCH)]
     }
 
-    /// Flies `pigeons` choices of weights (alpha_f, alpha_o, alpha_nv) through the scene.
+    /// Where each of these choices of weights leads: north and east in m at the present and after every control period.
+    pub fn paths_m(&self, scene: &Scene<'_>, weights: &[[f64; 3]], rollout: &mut Rollout) -> Vec<Vec<[f64; 2]>> {
+        let mut paths_m = Vec::with_capacity(weights.len());
+        for batch in weights.chunks(BATCH) {
+            let mut columns = [[0.0; BATCH]; 3];
+            for (pigeon, weights) in batch.iter().enumerate() {
+                for (column, weight) in columns.iter_mut().zip(weights) {
+                    column[pigeon] = *weight;
+                }
+            }
+            let mut places = Vec::with_capacity(1 + self.steps);
+            fly(self, scene, None, &columns, batch.len(), rollout, Some(&mut places));
+            let path = |pigeon: usize| places.iter().map(|(x_m, y_m)| [x_m[pigeon], y_m[pigeon]]).collect();
+            paths_m.extend((0..batch.len()).map(path));
+        }
+        paths_m
+    }
+
+    /// Flies `pigeons` choices of weights (alpha_f, alpha_o, alpha_nv) through the scene; `places` takes where they are
+    /// at every control period.
     #[inline(always)]
     fn fly(
         &self,
@@ -121,6 +140,7 @@ impl LookAhead {
         weights: &[Each; 3],
         pigeons: usize,
         rollout: &mut Rollout,
+        mut places: Option<&mut Vec<Places>>,
     ) {
         let law = &self.law;
         let expected = &scene.expected;
@@ -132,6 +152,9 @@ impl LookAhead {
             rollout.clear_terms();
             let before = here;
             here = rollout.extent();
+            if let Some(places) = places.as_deref_mut() {
+                places.push(rollout.places());
+            }
             self.meet_neighbours(scene, k, &here, rollout);
             if k > 0 {
                 self.keep_clear(scene, k, &before, &here, rollout);
@@ -221,7 +244,7 @@ impl Problem for WeightProblem<'_> {
                 let dimension = if self.kind == WeightKind::Shared { 0 } else { term };
                 weight[..count].copy_from_slice(&candidates.coordinate(dimension)[start..end]);
             }
-            fly(self.look_ahead, &self.scene, None, &weights, count, self.rollout);
+            fly(self.look_ahead, &self.scene, None, &weights, count, self.rollout, None);
             let ([cost_1, cost_2], violation) = evaluations.objectives_and_violation();
             for i in 0..count {
                 cost_1[start + i] = self.rollout.cost_1[i] * mean;
@@ -242,8 +265,9 @@ fn fly(
     weights: &[Each; 3],
     pigeons: usize,
     rollout: &mut Rollout,
+    places: Option<&mut Vec<Places>>,
 ) {
-    look_ahead.fly(scene, first, weights, pigeons, rollout);
+    look_ahead.fly(scene, first, weights, pigeons, rollout, places);
 }
 
 #[cfg(test)]

@@ -128,7 +128,7 @@ fn parameters_are_refused_by_line_or_flag() {
         ("WP_RADIUS = 0", "parameters.WP_RADIUS = 0: must be a number from 1 to 32767"),
         ("WP_RADIUS = nan", "parameters.WP_RADIUS = nan: must be a finite number"),
         ("WP_RADIUS = \"wide\"", "parameters.WP_RADIUS = \"wide\": must be a number"),
-        ("SYSID_THISMAV = 3", "parameters.SYSID_THISMAV = 3: must be the name of a parameter that the vehicle has"),
+        ("SYSID_THISMAV = 3", "parameters.SYSID_THISMAV = 3: must be MAV_SYSID, as it is called now"),
         ("STAT_RUNTIME = 3", "parameters.STAT_RUNTIME = 3: must be left out: it is only read"),
     ] {
         let message = refusal_of(&and(&format!("[parameters]\nRTL_RADIUS = 50\n{line}")));
