@@ -1,8 +1,22 @@
 """What the controller knows of the present over a bad link, and what it tells of it."""
 
 import json
+import pathlib
 import subprocess
 
+REHEARSAL = pathlib.Path(__file__).parent.parent / "config/rehearsal.toml"
+# What a controller reckons with that takes planes for Eq. 1 as printed, with other constants.
+BEFORE = {
+    "speed_time_constant_s": 2.0,
+    "course_time_constant_s": 1.5,
+    "speed_dead_time_s": 0.0,
+    "course_dead_time_s": 0.0,
+    "altitude_dead_time_s": 0.0,
+    "course_reference_speed_mps": 0.0,
+    "acceleration_max_mps2": 0.0,
+    "course_step_max_deg": 180.0,
+    "lateral_overload_max": 5.0,
+}
 DELAY = ["--set", "link.delay_ms=200", "--set", "link.jitter_ms=50", "--loss", "0.2"]
 
 
@@ -42,3 +56,23 @@ def test_real_time_measures_the_delay_of_its_link(program, tmp_path):
 def test_lockstep_knows_everything_and_says_nothing(program, tmp_path):
     _, summary = run(program, tmp_path / "run", "--transport", "memory", "--duration", "2")
     assert summary["present"] is None
+
+
+def test_planes_hit_what_a_controller_that_knows_them_flies_round(program, tmp_path):
+    before = [word for key, value in BEFORE.items() for word in ("--set", f"dynamics.{key}={value}")]
+    hits = {"known": 0, "before": 0}
+    for seed in (3, 4, 5):
+        for name, options in (("known", []), ("before", before)):
+            folder = tmp_path / f"{name}-{seed}"
+            _, summary = run(program, folder, REHEARSAL, "--transport", "memory", "--seed", seed, *options)
+            assert summary["completed"]
+            hits[name] += summary["obstacle_collisions"] + summary["vehicle_collisions"] > 0
+    assert hits["known"] == 0 and hits["before"] >= 2, hits
+
+
+def test_a_dead_time_is_foreseen_in_lockstep_as_in_memory(program, tmp_path):
+    for transport in ("memory", "udp"):
+        _, summary = run(program, tmp_path / transport, REHEARSAL, "--transport", transport, "--duration", "6")
+        assert summary["present"]["state_error_rms_m"] < 0.5
+    first, second = ((tmp_path / name / "trajectory.parquet").read_bytes() for name in ("memory", "udp"))
+    assert first == second

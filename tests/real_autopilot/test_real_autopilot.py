@@ -8,7 +8,7 @@ import os
 
 import pytest
 from builds import LATITUDE_DEG, LONGITUDE_DEG, free_port, speedup
-from fields import COPTERS, PAPER_SCALE, PLANES, PX4_PLANES, field
+from fields import COPTERS, PLANES, PX4_PLANES, PX4_QUADS, field
 from flight import flock, start_flight  # noqa: F401
 from second_link import least_distances
 
@@ -70,7 +70,7 @@ def test_three_arducopters(start_flight, flock, seed):  # noqa: F811
 @pytest.mark.parametrize("seed", seeds())
 def test_five_px4_quads(start_flight, flock, seed):  # noqa: F811
     flock.add_px4("quad", 5, 20.0)
-    text, circles = field(5, seed, **PAPER_SCALE)
+    text, circles = field(5, seed, **PX4_QUADS)
     check(start_flight(text, flock.links), flock, circles, 2.0, "LOITER")
 
 

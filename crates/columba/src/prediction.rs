@@ -119,6 +119,11 @@ mod tests {
         let mut flight = flown(Dynamics::default());
         flight.trajectory.rows[3].state.x_m = f64::NAN;
         assert_eq!(errors_m(&flight, 0).len(), 33);
+        // A vehicle that was released has no setpoint any more.
+        for tick in 10..40 {
+            flight.trajectory.rows[tick].setpoint.speed_mps = f64::NAN;
+        }
+        assert_eq!(errors_m(&flight, 0).len(), 4);
         flight.dynamics.clear();
         assert!(errors_m(&flight, 0).is_empty() && rms(&[]).is_none());
     }

@@ -81,8 +81,11 @@ impl Autopilot {
         [(self.speed_decay[0], 0.5 * change_max_mps), (self.speed_decay[1], change_max_mps)].map(
             |(decay, change_mps)| {
                 let free = wanted_mps + (state.speed_mps - wanted_mps) * decay;
-                // Not a clamp, which panics on a bound that is no number: that of an infinite speed.
-                free.max(state.speed_mps - change_mps).min(state.speed_mps + change_mps).clamp(least_mps, most_mps)
+                let (low_mps, high_mps) = (state.speed_mps - change_mps, state.speed_mps + change_mps);
+                // What is not a number stays so: `clamp` panics of such bounds.
+                let limited = if free < low_mps { low_mps } else { free };
+                let limited = if limited > high_mps { high_mps } else { limited };
+                limited.clamp(least_mps, most_mps)
             },
         )
     }

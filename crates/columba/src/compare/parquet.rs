@@ -32,7 +32,7 @@ const IDENTITY: [Column; 3] = [
     ("seed", Whole(|row| Some(row.seed))),
 ];
 
-const FLIGHT: [Column; 30] = [
+const FLIGHT: [Column; 31] = [
     ("algorithm", Text(|row| Some(&row.summary.algorithm))),
     ("preset", Text(|row| Some(&row.summary.preset))),
     ("evaluations_per_solve", Whole(|row| Some(row.evaluations as u64))),
@@ -61,6 +61,7 @@ const FLIGHT: [Column; 30] = [
     ("course_variation_rad", Real(|row| Some(row.summary.course_variation_rad))),
     ("flock_radius_m", Real(|row| Some(row.summary.flock_radius_m))),
     ("flock_radius_end_m", Real(|row| Some(row.summary.flock_radius_end_m))),
+    ("prediction_rms_m", Real(|row| row.summary.prediction_rms_m)),
     ("transport", Text(|row| Some(&row.summary.transport))),
     ("version", Text(|row| Some(&row.summary.version))),
 ];

@@ -7,7 +7,7 @@ use crate::flight::{Flight, Row, Summary, Tick, Trajectory};
 use crate::judge::{Judge, Minima, Verdict};
 use crate::prediction::with_prediction;
 use controller::Decision;
-use flight_model::State;
+use flight_model::{Dynamics, State};
 use std::time::{Duration, Instant};
 
 /// How a flight came to its end.
@@ -89,8 +89,15 @@ impl Recorder {
         self.judge.verdict()
     }
 
-    /// The flight as it is to be written.
-    pub fn finish(mut self, scenario: &Scenario, transport: &str, ended: Ended, closed: Closed) -> Flight {
+    /// The flight as it is to be written; `dynamics` are those that the controller reckoned with.
+    pub fn finish(
+        mut self,
+        scenario: &Scenario,
+        transport: &str,
+        dynamics: Vec<Dynamics>,
+        ended: Ended,
+        closed: Closed,
+    ) -> Flight {
         let wall_s = self.started.elapsed().as_secs_f64();
         let duration_s = self.trajectory.ticks.last().map_or(0.0, |tick| tick.t_s);
         let verdict = self.judge.verdict();
@@ -114,7 +121,6 @@ impl Recorder {
             solve_us_p99: self.solves.percentile_us(0.99),
             ..summary::judged(&verdict, summary::planned(scenario, transport))
         };
-        let dynamics = scenario.flock_settings().dynamics;
         let (field, settings) = (field(scenario), settings(scenario));
         with_prediction(Flight { summary, field, settings, trajectory: self.trajectory, dynamics })
     }

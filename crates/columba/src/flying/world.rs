@@ -99,6 +99,7 @@ pub async fn fly<W: World>(
     let over_ground = world.tells_ground_speeds();
     let settings = if over_ground { scenario.flock_settings_over_ground() } else { scenario.flock_settings() };
     let settings = if world.watch().is_some() { settings.behind_a_link() } else { settings };
+    let dynamics = settings.dynamics.clone();
     let mut flock = Flock::new(settings, scenario.starts.len())?;
     let prepared = unless_stopped(&mut stop, world.prepare()).await;
     tracing::debug!(
@@ -148,7 +149,7 @@ pub async fn fly<W: World>(
     let mut closed = world.close();
     let log = closed.log.take();
     tracing::debug!(counters = %closed.counters, "closed");
-    Ok((recorder.finish(scenario, transport, flown.into(), closed), log))
+    Ok((recorder.finish(scenario, transport, dynamics, flown.into(), closed), log))
 }
 
 /// The result of `work`, unless the flight is interrupted first.

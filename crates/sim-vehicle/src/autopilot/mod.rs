@@ -441,8 +441,8 @@ impl Autopilot {
                 let is_feasible = !self.rules.judges_plans_as_px4 || self.judge_mission(&items, false);
                 self.mission.replace(items, is_feasible);
                 self.session.progress.mission_changed(&self.mission, anew, self.rules.resumes_after_upload);
-                if self.mode() == Mode::Auto && self.flight.is_armed() && !self.mission.is_flyable() {
-                    self.end_mission("Mission cleared");
+                if self.mode() == Mode::Auto && !self.mission.is_flyable() {
+                    self.leave_auto_without_mission();
                 }
             }
             PlanKind::Fence if self.rules.judges_plans_as_px4 => {
@@ -495,6 +495,16 @@ impl Autopilot {
         let flying = acts.then(|| self.flight.here());
         for text in self.fence.replace_parts(items, &self.frame, self.flight.home().at(), flying) {
             self.say(Severity::Critical, text);
+        }
+    }
+
+    /// The mission that AUTO flies, or waits for, is there no more: an ArduPlane returns, armed or not.
+    fn leave_auto_without_mission(&mut self) {
+        if self.rules.returns_without_mission {
+            self.set_mode(Mode::Rtl);
+            self.say(Severity::Info, "Aircraft in auto without a running mission");
+        } else if self.flight.is_armed() {
+            self.end_mission("Mission cleared");
         }
     }
 

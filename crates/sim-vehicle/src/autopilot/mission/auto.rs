@@ -41,7 +41,7 @@ impl Autopilot {
         if self.rules.tells_next_flown_item && !self.leads_anywhere(seq) {
             if is_flown {
                 self.session.progress.complete();
-                self.end_mission("Mission complete");
+                self.end_mission(MISSION_COMPLETE);
             }
             return Err(CommandError::failed(format!("Mission: nothing to fly from item {seq} on")));
         }

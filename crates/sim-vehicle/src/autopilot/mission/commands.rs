@@ -25,7 +25,8 @@ impl Autopilot {
             // Without its tag the mission is over.
             return self.session.progress.go_to(self.mission.len());
         };
-        if let Some(made) = self.session.progress.jump(seq, to, p2) {
+        let made = self.session.progress.jump(seq, to, p2);
+        if let Some(made) = made.filter(|_| self.rules.words.narrates_missions) {
             let of = if p2 < 0.0 { "unlimited".to_owned() } else { format!("{p2:.0}") };
             self.say(Severity::Info, &format!("Mission: {seq} Jump {made}/{of}"));
         }

@@ -154,6 +154,18 @@ fn an_item_with_nothing_to_fly_behind_it_cannot_be_chosen() {
     }
 }
 
+/// As a real one was measured, disarmed on the ground.
+#[test]
+fn auto_returns_where_its_mission_is_cleared() {
+    let mut vehicle = Vehicle::new(settings(true, 10.0)).unwrap();
+    let place = item(&vehicle, WAYPOINT, (100.0, 0.0), 50.0, 0.0);
+    vehicle.autopilot_mut().replace_plan(PlanKind::Mission, vec![PlanItem::default(), place], true).unwrap();
+    vehicle.autopilot_mut().enter(Mode::Auto).unwrap();
+    assert_eq!(vehicle.mode(), Mode::Auto);
+    vehicle.autopilot_mut().replace_plan(PlanKind::Mission, Vec::new(), true).unwrap();
+    assert_eq!((vehicle.mode(), vehicle.is_armed()), (Mode::Rtl, false));
+}
+
 #[test]
 fn a_jump_that_is_over_counts_anew_and_home_resets_all() {
     let mut progress = super::progress::Progress::default();
