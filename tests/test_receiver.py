@@ -17,8 +17,10 @@ RECEIVER = mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
 
 @pytest.fixture
 def craft(start_vehicles, scenario):
-    """One that needs no stream of setpoints, five times as fast as the clock."""
-    return start_vehicles(scenario(setpoint_timeout_s=0), "--speed", 5).connect()[0]
+    """One that needs no stream of setpoints, five times as fast as the clock, and has seen its switches."""
+    craft = start_vehicles(scenario(setpoint_timeout_s=0), "--speed", 5).connect()[0]
+    craft.samples(2)
+    return craft
 
 
 @pytest.fixture
