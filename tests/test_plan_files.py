@@ -86,7 +86,7 @@ FENCES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("number, personality", enumerate(["arduplane", "px4"]))
+@pytest.mark.parametrize("number, personality", list(enumerate(["arduplane", "px4"])))
 def test_plan_files_are_answered_as_by_the_real_one(number, personality, start_vehicles, scenario):
     craft = start_vehicles(scenario(on_ground=True), "--personality", personality).connect()[0]
     answers, expected = {}, {}
