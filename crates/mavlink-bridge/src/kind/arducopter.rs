@@ -98,7 +98,7 @@ pub(super) fn setpoint(
     situation: &Situation<'_>,
 ) -> Result<Vec<Message>, SetpointError> {
     let (sin, cos) = libm::sincos(setpoint.course_rad);
-    let limits = situation.limits;
+    let limits = situation.dynamics.limits;
     let climb_mps = (ALTITUDE_GAIN_PER_S * (setpoint.altitude_m - situation.state.altitude_m))
         .clamp(limits.climb_min_mps.min(0.0), limits.climb_max_mps.max(0.0));
     Ok(vec![Message::SET_POSITION_TARGET_LOCAL_NED(SET_POSITION_TARGET_LOCAL_NED_DATA {

@@ -11,7 +11,7 @@ use super::{Launch, Parameters, Seen, Situation, VehicleLimits, airspeed_mps, am
 use crate::dialect::{MavCmd, MavFrame, Message};
 use crate::setpoint::{course_deg, finite_f32, flyable_altitude_m};
 use crate::{SetpointError, Target};
-use flight_model::Setpoint;
+use flight_model::{Dynamics, Setpoint};
 
 /// Numbers of modes (`ArduPlane/mode.h`).
 pub(super) const GUIDED: u32 = 15;
@@ -104,14 +104,18 @@ pub(super) fn setpoint(
     setpoint: &Setpoint,
     situation: &Situation<'_>,
 ) -> Result<Vec<Message>, SetpointError> {
+    let Dynamics { limits, response, .. } = situation.dynamics;
     let speed_mps = finite_f32(airspeed_mps(setpoint, situation))?;
+    // A setpoint that jumps makes TECS pitch at once, and the load factor that it takes is missing in a turn. Zero: the
+    // autopilot goes there at once.
+    let acceleration_mps2 = finite_f32(response.acceleration_max_mps2).unwrap_or(0.0);
     let altitude_m = flyable_altitude_m(finite_f32(amsl_m(setpoint.altitude_m, situation))?);
     let course_deg = course_deg(setpoint.course_rad)?;
-    let lateral_mps2 = finite_f32(situation.limits.lateral_acceleration_max_mps2())?.max(LATERAL_ACCELERATION_MIN_MPS2);
+    let lateral_mps2 = finite_f32(limits.lateral_acceleration_max_mps2())?.max(LATERAL_ACCELERATION_MIN_MPS2);
     let command = |command, params, z| command_int(target, command, MavFrame::MAV_FRAME_GLOBAL, params, (0, 0, z));
     Ok(vec![
         command(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING, [0.0, course_deg, lateral_mps2, 0.0], 0.0),
-        command(MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED, [0.0, speed_mps, 0.0, 0.0], 0.0),
+        command(MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED, [0.0, speed_mps, acceleration_mps2, 0.0], 0.0),
         command(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE, [0.0; 4], altitude_m),
     ])
 }

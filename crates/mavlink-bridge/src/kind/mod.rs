@@ -20,7 +20,7 @@ pub use commands::{arm, command_int, command_long, request_message, set_message_
 use crate::dialect::{MavAutopilot, MavType, Message};
 use crate::setpoint::{finite_f32, local_ned_setpoint};
 use crate::{SetpointError, Target};
-use flight_model::{Geodetic, Limits, LocalFrame, Setpoint, State};
+use flight_model::{Dynamics, Geodetic, LocalFrame, Setpoint, State};
 use std::time::Duration;
 
 /// Version of an autopilot's software.
@@ -185,8 +185,8 @@ pub struct Situation<'a> {
     pub frame: &'a LocalFrame,
     /// Altitude of the vehicle's own local origin above mean sea level, m; none before it is known.
     pub local_origin_amsl_m: Option<f64>,
-    /// Limits of the model by which the setpoint was chosen, with what the vehicle itself allows.
-    pub limits: &'a Limits,
+    /// The model by which the setpoint was chosen, with what the vehicle itself allows.
+    pub dynamics: &'a Dynamics,
     /// Airspeed as the autopilot counts it, less the speed over ground, m/s: wind along the way and thin air. Slowly
     /// varying.
     pub airspeed_excess_mps: f64,

@@ -9,8 +9,10 @@ const ORIGIN: Geodetic = Geodetic { latitude_deg: -35.36, longitude_deg: 149.16,
 const OLD_PX4: Option<SoftwareVersion> = Some(SoftwareVersion { major: 1, minor: 17, patch: 4 });
 const NEW_PX4: Option<SoftwareVersion> = Some(SoftwareVersion { major: 1, minor: 18, patch: 0 });
 
-fn limits() -> Limits {
-    Limits { lateral_overload_max: 0.7, ..Limits::default() }
+fn dynamics() -> Dynamics {
+    let mut dynamics = Dynamics::default();
+    dynamics.limits.lateral_overload_max = 0.7;
+    dynamics
 }
 
 fn messages(driver: &Driver, setpoint: &Setpoint) -> Result<Vec<Message>, SetpointError> {
@@ -28,7 +30,7 @@ fn messages_with(
         state: State { altitude_m: 48.0, speed_mps: 19.0, ..State::default() },
         frame: &frame,
         local_origin_amsl_m,
-        limits: &limits(),
+        dynamics: &dynamics(),
         airspeed_excess_mps,
         now: Duration::from_secs(3),
     };
@@ -76,6 +78,25 @@ fn arduplane_takes_three_commands() {
     assert_eq!(altitude.command, MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE);
     assert_eq!((altitude.frame, altitude.z, altitude.param3), (MavFrame::MAV_FRAME_GLOBAL, 634.0, 0.0));
     assert!(sent.iter().all(|message| int(message).target_system == 7));
+}
+
+#[test]
+fn arduplane_is_told_how_fast_the_model_changes_its_speed() {
+    let mut dynamics = dynamics();
+    dynamics.response.acceleration_max_mps2 = 0.4;
+    let frame = LocalFrame::new(ORIGIN);
+    let situation = Situation {
+        state: State { altitude_m: 48.0, speed_mps: 19.0, ..State::default() },
+        frame: &frame,
+        local_origin_amsl_m: None,
+        dynamics: &dynamics,
+        airspeed_excess_mps: 0.0,
+        now: Duration::from_secs(3),
+    };
+    let driver = Driver::new(AutopilotKind::ArduPlane, None);
+    let sent = driver.setpoint(TARGET, &setpoint(20.0, 0.0, 50.0), &situation).unwrap();
+    let speed = int(&sent[1]);
+    assert_eq!((speed.command, speed.param3), (MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED, 0.4));
 }
 
 #[test]
