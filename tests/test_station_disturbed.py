@@ -8,7 +8,9 @@ import time
 import pytest
 from conftest import free_port
 from ground import ACCEPTED, FAILED, GUIDED
+from proxy import LossyProxy
 from pymavlink import mavutil
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from test_station import field, one, start_fly, told  # noqa: F401
 
 
@@ -172,3 +174,36 @@ def test_gaps_in_what_routers_pass_on_are_no_losses(start_fly, start_vehicles, f
         other.close()
     run = controller.end()
     assert run.status == 0 and run.summary["link"]["lost"] == 0, run.errors
+
+
+class Overtaking(LossyProxy):
+    """Loses nothing; but a heartbeat with another mode overtakes the one before it, which comes again behind it."""
+
+    def __init__(self, ground_port):
+        super().__init__(ground_port, 0.0)
+        self.last, self.overtaken = {}, 0
+
+    def forward(self, link, datagram, to):
+        super().forward(link, datagram, to)
+        beats = [message for message in self.messages(datagram) if message.get_type() == "HEARTBEAT"]
+        if to != self.ground or not beats:
+            return
+        system, mode = beats[-1].get_srcSystem(), beats[-1].custom_mode
+        before, was = self.last.get(system, (None, mode))
+        if was != mode:
+            self.overtaken += 1
+            super().forward(link, before, to)
+        self.last[system] = (datagram, mode)
+
+    def messages(self, datagram):
+        return mavlink.MAVLink(None).parse_buffer(datagram) or []
+
+
+def test_a_heartbeat_that_was_overtaken_is_no_pilot(start_fly, start_vehicles, field):  # noqa: F811
+    port, scenario = free_port(), field(duration_s=5)
+    with Overtaking(port) as link:
+        start_vehicles(scenario, "--on-ground", "--speed", 5, ground_port=link.port)
+        run = start_fly(scenario, "--speed", 5, "--link", f"udpin:127.0.0.1:{port}").end()
+    assert link.overtaken > 0 and run.summary["link"]["repeated"] > 0
+    assert run.status == 0, run.errors
+    assert not told(run, "by others")

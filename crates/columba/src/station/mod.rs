@@ -253,8 +253,9 @@ impl Station {
         std::mem::take(&mut self.verbs)
     }
 
-    /// Takes a frame that arrived by a route at a time since the station started.
-    pub fn hear(&mut self, frame: &Frame<'_>, route: Route, now: Duration) {
+    /// Takes a frame that arrived by a route at a time since the station started, and whether it is the newest of its
+    /// sender ([`Self::count`]).
+    pub fn hear(&mut self, frame: &Frame<'_>, is_newest: bool, route: Route, now: Duration) {
         let header = frame.header;
         let Ok(message) = frame.message() else { return };
         if let Some((command, verb)) = self.commanded(&header, &message) {
@@ -277,6 +278,9 @@ impl Station {
             return;
         }
         vehicle.streams.entry(header.message_id).or_default().heard += 1;
+        if vehicle.is_overtaken(is_newest, now) && has_no_time(&message) {
+            return;
+        }
         match &message {
             Message::TIMESYNC(data) => {
                 if let Some(trip) = telemetry::round_trip(data, now) {
@@ -303,17 +307,19 @@ impl Station {
     }
 
     /// Takes note of the sequence number of a frame of a vehicle's autopilot. Other senders are not counted: routers
-    /// pass on only a part of what others say, so that gaps in their numbers are no losses.
-    pub fn count(&mut self, frame: &Frame<'_>, sequence: &mut SequenceTracker, counters: &mut Counters) {
+    /// pass on only a part of what others say, so that gaps in their numbers are no losses. Gives whether no newer frame
+    /// of its sender came before it, as far as was counted.
+    pub fn count(&mut self, frame: &Frame<'_>, sequence: &mut SequenceTracker, counters: &mut Counters) -> bool {
         let header = &frame.header;
         let is_sender = |vehicle: &&mut Vehicle| {
             (vehicle.id(), vehicle.target.component_id) == (header.system_id, header.component_id)
         };
-        let Some(vehicle) = self.vehicles.iter_mut().find(is_sender) else { return };
+        let Some(vehicle) = self.vehicles.iter_mut().find(is_sender) else { return true };
         let before = counters.lost;
-        sequence.observe(frame, counters);
+        let is_newest = sequence.observe(frame, counters) == mavlink_bridge::Order::Newer;
         vehicle.frames[0] += counters.lost - before;
         vehicle.frames[1] += 1;
+        is_newest
     }
 
     /// Does what is due; call it every few hundredths of a second.
@@ -514,7 +520,7 @@ impl Station {
             state: self.state_now(index, now)?,
             frame: &self.frame,
             local_origin_amsl_m: vehicle.local_origin_amsl_m,
-            limits: &vehicle.present.dynamics().limits,
+            dynamics: vehicle.present.dynamics(),
             airspeed_excess_mps: speed_mps - setpoint.speed_mps,
             now,
         };
@@ -542,6 +548,11 @@ impl Station {
     pub fn obstacles(&self) -> Vec<Obstacle> {
         self.scenario.obstacles.clone()
     }
+}
+
+/// Whether a message tells a state of the vehicle without the time at which the vehicle was in that state.
+fn has_no_time(message: &Message) -> bool {
+    matches!(message, Message::HEARTBEAT(_) | Message::EXTENDED_SYS_STATE(_) | Message::SYS_STATUS(_))
 }
 
 /// The number under which people know the vehicle of a slot.

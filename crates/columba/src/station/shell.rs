@@ -197,9 +197,9 @@ impl Shell {
                 return;
             }
             recording.frame(at_us, frame.bytes);
-            station.count(&frame, sequence, &mut lost);
+            let is_newest = station.count(&frame, sequence, &mut lost);
             if matches!(found, mavlink_bridge::link::Found::Verified(_)) {
-                station.hear(&frame, route, now);
+                station.hear(&frame, is_newest, route, now);
             }
         };
         if arrival.is_stream {

@@ -153,6 +153,8 @@ pub struct Vehicle {
     pub is_doubled: bool,
     /// Frames that never came, and frames that came.
     pub frames: [u64; 2],
+    /// When a frame came that no other had overtaken.
+    newest_heard: Option<Duration>,
 }
 
 impl Vehicle {
@@ -201,6 +203,7 @@ impl Vehicle {
             setpoint_sent: None,
             is_doubled: false,
             frames: [0; 2],
+            newest_heard: None,
         }
     }
 
@@ -318,6 +321,17 @@ impl Vehicle {
             state.trust = trust;
         }
         trust == Trust::Own
+    }
+
+    /// Whether newer frames came before this one, a moment ago. After a longer pause nobody can tell: of numbers from 0
+    /// to 255 the one half is older than the other.
+    pub fn is_overtaken(&mut self, is_newest: bool, now: Duration) -> bool {
+        const MOMENT: Duration = Duration::from_secs(1);
+        if is_newest {
+            self.newest_heard = Some(now);
+            return false;
+        }
+        self.newest_heard.is_some_and(|heard| now.saturating_sub(heard) < MOMENT)
     }
 
     /// One way too many displaces another: before all one that is not known to be the vehicle's, else the one that was
