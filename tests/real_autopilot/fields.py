@@ -8,8 +8,9 @@ from builds import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 PAPER = Path(__file__).resolve().parents[2] / "config/paper.toml"
 
-# What differs from the paper for each kind: the scale of lengths, speeds, time constants, and how long it takes.
-PLANES = dict(scale=4.0, speed_mps=20.0, speeds=(14.0, 26.0), time_constants=(2.0, 1.5), period_s=1.0, duration_s=80.0)
+# What differs from the paper for each kind: the scale of lengths, speeds, time constants, and how long it takes. Planes
+# fly by what `columba identify` found of them.
+PLANES = dict(scale=4.0, speed_mps=20.0, speeds=(14.0, 26.0), time_constants=None, period_s=1.0, duration_s=80.0, airframe="plane")
 PX4_PLANES = dict(scale=2.5, speed_mps=13.9, speeds=(11.0, 18.0), time_constants=(2.0, 1.0), period_s=0.5, duration_s=65.0)
 PAPER_SCALE = dict(scale=1.0, speed_mps=None, speeds=None, time_constants=None, period_s=0.5, duration_s=42.0)
 # As `columba identify` finds a PX4 quad whose drag is that of a real one (SIH_KDV 0.2): 0.44 s and a dead time of 0.3 s.
@@ -18,7 +19,9 @@ PX4_QUADS = PAPER_SCALE | dict(time_constants=(0.5, 0.44), dead_times=(0.3, 0.3)
 COPTERS = PAPER_SCALE | dict(speed_mps=8.0, speeds=(3.0, 10.0), duration_s=50.0)
 
 
-def field(count, seed, scale, speed_mps, speeds, time_constants, period_s, duration_s, dead_times=(0.0, 0.0)):
+def field(
+    count, seed, scale, speed_mps, speeds, time_constants, period_s, duration_s, dead_times=(0.0, 0.0), airframe=None, link=None
+):
     """The text of a scenario, and its circles (x, y, radius)."""
     paper = tomllib.loads(PAPER.read_text())
     dice = random.Random(seed)
@@ -27,7 +30,8 @@ def field(count, seed, scale, speed_mps, speeds, time_constants, period_s, durat
         moved = [scale * (circle[axis] + (dice.uniform(-5, 5) if seed else 0)) for axis in ("x_m", "y_m")]
         circles.append((*moved, scale * circle["radius_m"] * (dice.uniform(0.8, 1.2) if seed else 1.0)))
     speed = speed_mps or paper["flock"]["expected_speed_mps"]
-    lines = [
+    lines = [f'airframe = "{airframe}"'] if airframe else []
+    lines += [
         "[scenario]", f'name = "real-{seed}"', f"seed = {max(1, seed)}", f"duration_s = {duration_s}",
         f"control_period_s = {period_s}",
         f"origin = {{ latitude_deg = {LATITUDE_DEG}, longitude_deg = {LONGITUDE_DEG}, altitude_amsl_m = {ALTITUDE_M} }}",
@@ -40,6 +44,8 @@ def field(count, seed, scale, speed_mps, speeds, time_constants, period_s, durat
     if speeds:
         lines += [] if time_constants else ["[dynamics]"]
         lines += [f"speed_min_mps = {speeds[0]}", f"speed_max_mps = {speeds[1]}"]
+    if link:
+        lines += ["[link]", *(f"{name} = {value}" for name, value in link.items())]
     if scale != 1.0:
         lines += [
             "[law]", f"communication_distance_m = {10 * scale}", f"desired_distance_m = {10 * scale}",
