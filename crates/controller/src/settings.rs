@@ -53,8 +53,9 @@ pub struct LawSettings {
     /// are in sight. The paper counts only progress, which is 0 here; then a vehicle that is fast and far to the side
     /// costs no more than one that holds the course.
     pub velocity_cost_s: f64,
-    /// The weight in Eq. 11 of a change of the commanded velocity by 1 m/s from one control period to the next, in metres
-    /// of progress. The paper has none: a vehicle that zig-zags about its course costs no more than one that holds it.
+    /// The weight in Eq. 11 of a change of the commanded velocity by 1 m/s from one control period to the next, in
+    /// metres of progress. The paper has none: a vehicle that zig-zags about its course costs no more than one that
+    /// holds it.
     pub command_cost_s: f64,
     /// How altitude is commanded (reading 5).
     pub altitude_law: AltitudeLaw,

@@ -10,7 +10,8 @@ use crate::{Dynamics, Limits, Setpoint, State, course_vector, wrap_pi};
 /// which it begins to act.
 ///
 /// Of [`Response`](crate::Response) it flies the gain of speed, the limit of acceleration, the growth of the course
-/// loop's time constant, and the share of a turn. Dead times are the caller's: a step knows only the setpoint that acts in it.
+/// loop's time constant, and the share of a turn. Dead times are the caller's: a step knows only the setpoint that acts
+/// in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Autopilot {
     dynamics: Dynamics,

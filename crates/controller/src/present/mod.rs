@@ -164,8 +164,8 @@ impl Present {
         self.command_delay_s + self.dynamics.response.course_dead_time_s
     }
 
-    /// What was heard so far was flown later by this than was thought, s; earlier, below zero. So it is when the delay of
-    /// a link becomes known.
+    /// What was heard so far was flown later by this than was thought, s; earlier, below zero. So it is when the delay
+    /// of a link becomes known.
     pub fn shift_heard(&mut self, by_s: f64) {
         if let Some(fix) = &mut self.fix {
             fix.at_s += by_s;
