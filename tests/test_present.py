@@ -15,6 +15,7 @@ BEFORE = {
     "course_reference_speed_mps": 0.0,
     "acceleration_max_mps2": 0.0,
     "course_step_max_deg": 180.0,
+    "turn_share": 1.0,
     "lateral_overload_max": 5.0,
 }
 DELAY = ["--set", "link.delay_ms=200", "--set", "link.jitter_ms=50", "--loss", "0.2"]
@@ -60,6 +61,7 @@ def test_lockstep_knows_everything_and_says_nothing(program, tmp_path):
 
 def test_planes_hit_what_a_controller_that_knows_them_flies_round(program, tmp_path):
     before = [word for key, value in BEFORE.items() for word in ("--set", f"dynamics.{key}={value}")]
+    before += ["--set", 'law.course_law="printed"']  # without the bound on changes of a setpoint, which came later
     hits = {"known": 0, "before": 0}
     for seed in (3, 4, 5):
         for name, options in (("known", []), ("before", before)):
@@ -68,6 +70,14 @@ def test_planes_hit_what_a_controller_that_knows_them_flies_round(program, tmp_p
             assert summary["completed"]
             hits[name] += summary["obstacle_collisions"] + summary["vehicle_collisions"] > 0
     assert hits["known"] == 0 and hits["before"] >= 2, hits
+
+
+def test_planes_are_not_told_left_and_right_until_they_hit_what_is_dead_ahead(program, tmp_path):
+    bank_35 = ("--set", "dynamics.lateral_overload_max=0.7", "--set", "parameters.ROLL_LIMIT_DEG=34.9")
+    for seed, options in ((15, bank_35), (28, bank_35), (39, ())):
+        done, summary = run(program, tmp_path / str(seed), REHEARSAL, "--transport", "memory", "--seed", seed, *options)
+        assert done.returncode == 0, done.stderr
+        assert summary["course_setpoint_change_p99_share"] <= 1.0
 
 
 def test_a_dead_time_is_foreseen_in_lockstep_as_in_memory(program, tmp_path):

@@ -183,6 +183,13 @@ pub struct Summary {
     /// before and the setpoints since then, m; `null` where that is not known.
     #[serde(default)]
     pub prediction_rms_m: Option<f64>,
+    /// 99th percentile of the changes of a vehicle's course setpoint from one tick to the next, rad; `null` where that
+    /// is not known.
+    #[serde(default)]
+    pub course_setpoint_change_p99_rad: Option<f64>,
+    /// The same of each change as a share of what the vehicle turns in two ticks at most.
+    #[serde(default)]
+    pub course_setpoint_change_p99_share: Option<f64>,
     /// What a ground station knows of a flight with vehicles that keep their own time: events, vehicles, and what the
     /// least distances rest on; `null` for others.
     #[serde(default)]

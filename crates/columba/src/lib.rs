@@ -2,6 +2,7 @@
 //! wires the other crates together and holds no algorithm.
 
 pub mod args;
+pub mod chatter;
 pub mod commands;
 pub mod compare;
 pub mod config;

@@ -2,7 +2,7 @@
 
 use crate::polynomial::SINCOS_RANGE_RAD;
 use crate::{AltitudeLaw, CourseLaw, LawSettings, terms};
-use flight_model::{Dynamics, Setpoint, State, Wind, wrap_pi};
+use flight_model::{Dynamics, Setpoint, State, Wind};
 use nalgebra::Vector2;
 
 /// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
@@ -11,6 +11,10 @@ const PRINTED_ALTITUDE_PERIOD_MAX_S: f64 = 0.2;
 /// Greatest course change that one command may ask, rad. Below half a turn, so that the short way round is the way
 /// meant.
 const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
+
+/// A course setpoint changes from one command to the next by at most what the vehicle turns in so many control periods:
+/// in two, less a reserve for a speed that is not known exactly.
+const COURSE_STEP_TICKS: f64 = 1.85;
 
 /// Turns demands into commands for one kind of vehicle at one control period.
 #[derive(Clone, Copy, Debug)]
@@ -23,20 +27,26 @@ pub struct Commander {
     /// Greatest course change asked at any speed, rad.
     pub course_change_max_rad: f64,
     /// Greatest course change asked, times speed, rad m/s: beyond it the autopilot's turn rate would be at its limit.
+    /// Infinite where that is the same change at every speed.
     pub course_change_speed_max: f64,
     altitude_time_constants_s: (f64, f64),
     printed_altitude: bool,
     speed_gain: f64,
-    /// Greatest change of the course setpoint from one command to the next, times speed, rad m/s; none: any.
-    course_step_speed_max: Option<f64>,
+    /// Greatest change of the course setpoint from one command to the next, times speed, rad m/s; infinite: any.
+    pub course_step_speed_max: f64,
 }
 
 impl Commander {
     pub fn new(law: &LawSettings, dynamics: &Dynamics, control_period_s: f64) -> Self {
         let (tau, limits) = (dynamics.time_constants, dynamics.limits);
-        // Where the course loop is slower the faster it flies, that of the fastest bounds the turns.
-        let slowest_course_s = dynamics.course_time_constant_s(limits.speed_max_mps);
         let quickest_course_s = dynamics.course_time_constant_s(limits.speed_min_mps);
+        let turn_mps2 = dynamics.turn_acceleration_max_mps2();
+        // A turn rate of error / tau_phi is at its limit of a / V where the error is tau_phi a / V. Where tau_phi grows
+        // with V, that is the same error at every speed.
+        let (error_max_rad, error_speed_max) = match dynamics.response.course_reference_speed_mps {
+            Some(reference_mps) => (tau.course_s * turn_mps2 / reference_mps, f64::INFINITY),
+            None => (f64::INFINITY, tau.course_s * turn_mps2),
+        };
         let turned = 1.0 - libm::exp(-control_period_s / quickest_course_s);
         Self {
             speed_time_constant_s: tau.speed_s,
@@ -49,8 +59,9 @@ impl Commander {
             speed_max_mps: limits.speed_max_mps,
             course_change_max_rad: COURSE_CHANGE_MAX_RAD
                 .min(dynamics.response.course_step_max_rad)
+                .min(error_max_rad)
                 .min(SINCOS_RANGE_RAD / turned),
-            course_change_speed_max: slowest_course_s * limits.lateral_acceleration_max_mps2(),
+            course_change_speed_max: error_speed_max,
             altitude_time_constants_s: (tau.altitude_a_s, tau.altitude_b_s),
             printed_altitude: match law.altitude_law {
                 AltitudeLaw::Auto => control_period_s <= PRINTED_ALTITUDE_PERIOD_MAX_S,
@@ -58,8 +69,10 @@ impl Commander {
                 AltitudeLaw::Hold => false,
             },
             speed_gain: dynamics.response.speed_gain,
-            course_step_speed_max: (law.course_law != CourseLaw::Printed)
-                .then(|| 2.0 * control_period_s * limits.lateral_acceleration_max_mps2()),
+            course_step_speed_max: match law.course_law {
+                CourseLaw::Printed => f64::INFINITY,
+                CourseLaw::Own | CourseLaw::Auto => COURSE_STEP_TICKS * control_period_s * turn_mps2,
+            },
         }
     }
 
@@ -67,15 +80,40 @@ impl Commander {
     ///
     /// The course line uses tau_V as printed, or tau_phi (reading 4). The demand is bounded to the speeds of the
     /// vehicle and to the course change whose turn rate it can fly (reading 7), so prediction and vehicle never meet
-    /// their limits.
-    pub fn horizontal(&self, demand_mps2: Vector2<f64>, speed_mps: f64, heading: Vector2<f64>) -> (f64, f64) {
+    /// their limits; `asked_rad` is the turn that the last command still asks for.
+    pub fn horizontal(
+        &self,
+        demand_mps2: Vector2<f64>,
+        speed_mps: f64,
+        heading: Vector2<f64>,
+        asked_rad: Option<f64>,
+    ) -> (f64, f64) {
         let along_mps2 = demand_mps2.dot(&heading);
         let across_mps2 = heading.perp(&demand_mps2);
         let setpoint_mps =
             (speed_mps + self.speed_time_constant_s * along_mps2).clamp(self.speed_min_mps, self.speed_max_mps);
         let turning_speed_mps = speed_mps.max(self.speed_min_mps);
+        let change_rad = self.turn_time_constant_s * across_mps2 / turning_speed_mps;
+        (setpoint_mps, self.bounded_rad(change_rad, speed_mps, setpoint_mps, asked_rad))
+    }
+
+    /// The course change nearest to a wanted one that a command may ask, rad: its setpoint changes from the last
+    /// command by at most what the vehicle turns in two control periods, and asks for no more than it can follow.
+    pub fn bounded_rad(&self, change_rad: f64, speed_mps: f64, setpoint_mps: f64, asked_rad: Option<f64>) -> f64 {
         let bound_rad = self.course_bound_rad(speed_mps, setpoint_mps);
-        (setpoint_mps, (self.turn_time_constant_s * across_mps2 / turning_speed_mps).clamp(-bound_rad, bound_rad))
+        let step_rad = self.course_step_rad(speed_mps);
+        let stepped_rad = match asked_rad {
+            Some(asked_rad) => change_rad.max(asked_rad - step_rad).min(asked_rad + step_rad),
+            None => change_rad,
+        };
+        stepped_rad.clamp(-bound_rad, bound_rad)
+    }
+
+    /// Greatest change of the course setpoint from one command to the next, rad; infinite: any.
+    fn course_step_rad(&self, speed_mps: f64) -> f64 {
+        let step_rad = self.course_step_speed_max / speed_mps.max(self.speed_min_mps);
+        // Two turns that differ by more than half a circle cannot be told apart.
+        if step_rad < std::f64::consts::PI { step_rad } else { f64::INFINITY }
     }
 
     /// The speed setpoint that makes the vehicle settle on a speed, m/s.
@@ -104,21 +142,6 @@ impl Commander {
         }
         let settled = Setpoint { speed_mps: self.speed_mps(setpoint), ..*setpoint }.over_ground(wind);
         Setpoint { speed_mps: self.asked_mps(settled.speed_mps), ..settled }
-    }
-
-    /// The course changes (least and greatest, rad) that a command may ask on a course, after the last command: its
-    /// setpoint changes by at most what the vehicle turns in two control periods. No bound where there is no last one.
-    pub fn course_changes_rad(&self, state: &State, last_course_rad: Option<f64>) -> [f64; 2] {
-        let (Some(last_rad), Some(step_speed)) = (last_course_rad, self.course_step_speed_max) else {
-            return [f64::NEG_INFINITY, f64::INFINITY];
-        };
-        let step_rad = step_speed / state.speed_mps.max(self.speed_min_mps);
-        // Two turns that differ by more than half a circle cannot be told apart.
-        if step_rad >= std::f64::consts::PI {
-            return [f64::NEG_INFINITY, f64::INFINITY];
-        }
-        let last_change_rad = wrap_pi(last_rad - state.course_rad);
-        [last_change_rad - step_rad, last_change_rad + step_rad]
     }
 
     /// Greatest course change that the vehicle can follow below its limit of turn rate, rad; the faster it is or gets
@@ -185,7 +208,7 @@ mod tests {
     #[test]
     fn demands_are_bounded_by_what_the_vehicle_flies() {
         let commander = Commander::new(&LawSettings::default(), &Dynamics::default(), 0.5);
-        let (speed_mps, change_rad) = commander.horizontal(Vector2::new(1e5, 1e5), 10.0, Vector2::new(1.0, 0.0));
+        let (speed_mps, change_rad) = commander.horizontal(Vector2::new(1e5, 1e5), 10.0, Vector2::new(1.0, 0.0), None);
         assert_eq!(speed_mps, 15.0);
         assert!(change_rad > 2.0 && change_rad < std::f64::consts::PI);
     }
@@ -196,7 +219,8 @@ mod tests {
         dynamics.time_constants.course_s = 3.0;
         let change_rad = |course_law: CourseLaw, dynamics: &Dynamics| {
             let law = LawSettings { course_law, ..LawSettings::default() };
-            Commander::new(&law, dynamics, 0.5).horizontal(Vector2::new(0.5, 2.0), 8.0, Vector2::new(1.0, 0.0)).1
+            let commander = Commander::new(&law, dynamics, 0.5);
+            commander.horizontal(Vector2::new(0.5, 2.0), 8.0, Vector2::new(1.0, 0.0), None).1
         };
         assert_eq!(change_rad(CourseLaw::Auto, &dynamics), 3.0 * 2.0 / 8.0);
         assert_eq!(change_rad(CourseLaw::Printed, &dynamics), 1.0 * 2.0 / 8.0);
@@ -204,9 +228,27 @@ mod tests {
     }
 
     #[test]
+    fn no_course_change_asks_for_more_than_the_greatest_turn_rate() {
+        for (share, reference_mps) in [(1.0, None), (0.73, None), (1.0, Some(22.0)), (0.73, Some(22.0))] {
+            let mut dynamics = Dynamics::default();
+            dynamics.time_constants.course_s = 3.1;
+            dynamics.limits.lateral_overload_max = 0.35;
+            dynamics.response.course_reference_speed_mps = reference_mps;
+            dynamics.response.turn_share = share;
+            let commander = Commander::new(&LawSettings::default(), &dynamics, 0.5);
+            for speed_mps in [7.0, 10.0, 15.0] {
+                let rate_radps =
+                    commander.course_bound_rad(speed_mps, speed_mps) / dynamics.course_time_constant_s(speed_mps);
+                let share_of_limit = rate_radps / dynamics.turn_rate_max_radps(speed_mps);
+                assert!((share_of_limit - 1.0).abs() < 1e-12, "{share} {reference_mps:?} {speed_mps} m/s");
+            }
+        }
+    }
+
+    #[test]
     fn the_course_line_uses_tau_v_as_printed() {
         let commander = Commander::new(&LawSettings::default(), &Dynamics::default(), 0.5);
-        let (speed_mps, change_rad) = commander.horizontal(Vector2::new(0.5, 2.0), 8.0, Vector2::new(1.0, 0.0));
+        let (speed_mps, change_rad) = commander.horizontal(Vector2::new(0.5, 2.0), 8.0, Vector2::new(1.0, 0.0), None);
         assert_eq!(speed_mps, 8.5);
         assert_eq!(change_rad, 1.0 * 2.0 / 8.0);
     }

@@ -23,19 +23,16 @@ const TURNING_LEAST_RAD: f64 = 0.05;
 pub struct Asked {
     /// Airspeed, m/s, and change of heading, rad, that the law gives.
     pub by_law: (f64, f64),
-    /// Least and greatest change of heading that may be asked for, rad.
-    pub course_changes_rad: [f64; 2],
-    /// The turn that the last command still asks for, rad.
-    pub turning_rad: f64,
     /// A turn to the other side has to be better by this, m.
     pub side_m: f64,
 }
 
 impl Asked {
-    /// By how much a change of heading has to be better because it turns to the other side, m.
-    fn handicap_m(&self, change_rad: f64) -> f64 {
+    /// By how much a change of heading has to be better because it turns to another side than the last command still
+    /// asks for, m.
+    fn handicap_m(&self, change_rad: f64, turning_rad: f64) -> f64 {
         let turns = |rad: f64| rad.abs() > TURNING_LEAST_RAD;
-        let is_other = turns(self.turning_rad) && turns(change_rad) && change_rad * self.turning_rad < 0.0;
+        let is_other = turns(turning_rad) && turns(change_rad) && change_rad * turning_rad < 0.0;
         if is_other { self.side_m } else { 0.0 }
     }
 }
@@ -59,6 +56,7 @@ pub fn evade(
     rollout: &mut Rollout,
 ) -> Evasion {
     let speed_mps = scene.state.in_air(&scene.wind).speed_mps;
+    let turning_rad = scene.standing.map(|standing| standing.turn_rad);
     let mut commands =
         Commands { speed_setpoint_mps: [asked.by_law.0; BATCH], course_change_rad: [asked.by_law.1; BATCH] };
     let grid = COURSES.iter().flat_map(|course| SPEEDS.iter().map(move |speed| (course, speed)));
@@ -68,12 +66,13 @@ pub fn evade(
         let setpoint_mps = speed_mps + speed.abs() * (limit_mps - speed_mps);
         commands.speed_setpoint_mps[count] = setpoint_mps;
         let change_rad = course * commander.course_bound_rad(speed_mps, setpoint_mps);
-        commands.course_change_rad[count] =
-            change_rad.max(asked.course_changes_rad[0]).min(asked.course_changes_rad[1]);
+        commands.course_change_rad[count] = commander.bounded_rad(change_rad, speed_mps, setpoint_mps, turning_rad);
         count += 1;
     }
     let shortfalls_m = look_ahead.try_commands(scene, &commands, weights, count, rollout);
-    let costs_m = |index: usize| shortfalls_m[index] + asked.handicap_m(commands.course_change_rad[index]);
+    let costs_m = |index: usize| {
+        shortfalls_m[index] + asked.handicap_m(commands.course_change_rad[index], turning_rad.unwrap_or(0.0))
+    };
     let mut best = (0, costs_m(0));
     for index in 1..count {
         // Less than a millimetre of gain does not justify a harder command.
@@ -91,6 +90,7 @@ pub fn evade(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::look_ahead::Standing;
     use crate::{Expected, LawSettings, LookAheadSettings, Obstacle};
     use flight_model::{Dynamics, State, Wind};
 
@@ -103,6 +103,7 @@ mod tests {
         let scene = Scene {
             state: State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() },
             wind: Wind::CALM,
+            standing: Some(Standing { speed_mps: 10.0, turn_rad: turning_rad }),
             expected: Expected { speed_mps: 10.0, course_rad: 0.0, altitude_m: 50.0 },
             obstacles: &obstacles,
             close_obstacles: &obstacles,
@@ -111,8 +112,7 @@ mod tests {
             margin_m: 0.0,
             neighbour_margins_m: &[],
         };
-        let free = [f64::NEG_INFINITY, f64::INFINITY];
-        let asked = Asked { by_law: (10.0, 0.0), course_changes_rad: free, turning_rad, side_m };
+        let asked = Asked { by_law: (10.0, 0.0), side_m };
         let mut rollout = Box::new(Rollout::new());
         evade(&look_ahead, &commander, &scene, [1.0; 3], &asked, &mut rollout).course_change_rad
     }

@@ -17,6 +17,8 @@ pub struct Flock {
     outlook: Outlook,
     decisions: Vec<Decision>,
     crafts: Vec<Craft>,
+    /// The headings that the last commands asked for, rad.
+    last_headings_rad: Vec<Option<f64>>,
 }
 
 /// What a flock sees at a tick beside the states.
@@ -56,6 +58,7 @@ impl Flock {
             |vehicle| Craft::new(&settings.controller.law, &settings.dynamics_of(vehicle), settings.control_period_s);
         Ok(Self {
             crafts: (0..vehicles).map(craft).collect(),
+            last_headings_rad: vec![None; vehicles],
             settings,
             pilots,
             outlook: Outlook::default(),
@@ -154,8 +157,10 @@ impl Flock {
         if self.settings.controller.look_ahead.evasion {
             self.deconflict(states);
         }
-        for (pilot, decision) in self.pilots.iter_mut().zip(&self.decisions) {
-            pilot.commit(decision);
+        for ((pilot, decision), heading_rad) in
+            self.pilots.iter_mut().zip(&self.decisions).zip(&mut self.last_headings_rad)
+        {
+            *heading_rad = Some(pilot.commit(decision));
         }
         &self.decisions
     }
@@ -183,7 +188,7 @@ impl Flock {
             ForecastKind::Straight => self.outlook.forecast.extrapolate(states, steps, settings.control_period_s),
             ForecastKind::Law => {
                 let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |last| last.weights);
-                let context = context(settings, &self.crafts, &self.outlook.winds);
+                let context = context(settings, &self.crafts, &self.outlook.winds, &self.last_headings_rad);
                 self.outlook.forecast.fly_the_law(&context, states, weights, |_| None, steps);
             }
         }
@@ -195,7 +200,7 @@ impl Flock {
     fn deconflict(&mut self, states: &[State]) {
         let settings = &self.settings;
         let steps = settings.controller.look_ahead.steps(settings.control_period_s);
-        let context = context(settings, &self.crafts, &self.outlook.winds);
+        let context = context(settings, &self.crafts, &self.outlook.winds, &self.last_headings_rad);
         let weights = |vehicle: usize| self.decisions.get(vehicle).map_or([1.0; 3], |decision| decision.weights);
         let first = |vehicle: usize| self.decisions.get(vehicle).map(|decision| decision.setpoint);
         self.outlook.forecast.fly_the_law(&context, states, weights, first, steps);
@@ -210,12 +215,18 @@ impl Flock {
     }
 }
 
-fn context<'a>(settings: &'a FlockSettings, crafts: &'a [Craft], winds: &'a [Wind]) -> LawContext<'a> {
+fn context<'a>(
+    settings: &'a FlockSettings,
+    crafts: &'a [Craft],
+    winds: &'a [Wind],
+    last_headings_rad: &'a [Option<f64>],
+) -> LawContext<'a> {
     LawContext {
         law: &settings.controller.law,
         expected: &settings.expected,
         crafts,
         winds,
+        last_headings_rad,
         obstacles: &settings.obstacles,
         neighbours_max: settings.controller.look_ahead.neighbours_max,
     }

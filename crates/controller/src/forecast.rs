@@ -28,6 +28,8 @@ pub struct Forecast {
     instants: usize,
     now: Vec<State>,
     next: Vec<State>,
+    /// The headings that the commands at hand ask for, rad.
+    headings_rad: Vec<Option<f64>>,
     index: Neighbours,
     found: Vec<(f64, u32)>,
     near: Vec<Neighbour>,
@@ -49,6 +51,8 @@ pub struct LawContext<'a> {
     pub crafts: &'a [Craft],
     /// The winds around them; calm where there is none.
     pub winds: &'a [Wind],
+    /// The headings that their last commands asked for, rad.
+    pub last_headings_rad: &'a [Option<f64>],
     pub obstacles: &'a [Obstacle],
     pub neighbours_max: usize,
 }
@@ -61,11 +65,10 @@ impl Craft {
         }
     }
 
-    /// The states half a control period later and a whole one, on a setpoint over ground.
+    /// The states half a control period later and a whole one, on a setpoint of airspeed and heading.
     fn fly(&self, state: &State, setpoint: &Setpoint, wind: &Wind) -> [State; 2] {
-        let setpoint = self.commander.in_air(setpoint, wind);
-        let middle = self.half_period.step_in_wind(state, &setpoint, wind);
-        [middle, self.half_period.step_in_wind(&middle, &setpoint, wind)]
+        let middle = self.half_period.step_in_wind(state, setpoint, wind);
+        [middle, self.half_period.step_in_wind(&middle, setpoint, wind)]
     }
 }
 
@@ -113,6 +116,9 @@ impl Forecast {
         self.passages.resize(self.instants * states.len(), Passage::default());
         self.now.clear();
         self.now.extend_from_slice(states);
+        self.headings_rad.clear();
+        self.headings_rad.extend_from_slice(context.last_headings_rad);
+        self.headings_rad.resize(states.len(), None);
         let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
         for step in 0..=steps {
             for (vehicle, state) in self.now.iter().enumerate() {
@@ -132,10 +138,13 @@ impl Forecast {
                         self.index.nearest(&self.now, vehicle, range_m, context.neighbours_max, &mut self.found);
                         self.near.clear();
                         self.near.extend(self.found.iter().map(|&(_, other)| Neighbour::of(&self.now[other as usize])));
-                        let flown = Flown { commander: &craft.commander, state, wind };
+                        let last_heading_rad = self.headings_rad[vehicle];
+                        let flown = Flown { commander: &craft.commander, state, wind, last_heading_rad };
                         context.setpoint(&flown, &self.near, weights(vehicle))
                     }
                 };
+                let setpoint = craft.commander.in_air(&setpoint, wind);
+                self.headings_rad[vehicle] = Some(setpoint.course_rad);
                 let [middle, end] = craft.fly(state, &setpoint, wind);
                 self.passages[vehicle * self.instants + 2 * step + 1] = Passage::of(&middle);
                 self.next.push(end);
@@ -155,7 +164,8 @@ impl Forecast {
     ) {
         let Some(craft) = context.craft(vehicle) else { return };
         let range_m = context.law.communication_distance_m.max(context.law.safe_distance_m);
-        let (mut state, mut setpoint, wind) = (*start, first, context.wind(vehicle));
+        let (mut state, wind) = (*start, context.wind(vehicle));
+        let mut setpoint = craft.commander.in_air(&first, wind);
         for step in 0..self.instants / 2 {
             if step > 0 {
                 self.near.clear();
@@ -168,8 +178,9 @@ impl Forecast {
                         });
                     }
                 }
-                let flown = Flown { commander: &craft.commander, state: &state, wind };
-                setpoint = context.setpoint(&flown, &self.near, weights);
+                let last_heading_rad = Some(setpoint.course_rad);
+                let flown = Flown { commander: &craft.commander, state: &state, wind, last_heading_rad };
+                setpoint = craft.commander.in_air(&context.setpoint(&flown, &self.near, weights), wind);
             }
             let [middle, end] = craft.fly(&state, &setpoint, wind);
             state = end;

@@ -44,6 +44,6 @@ pub use flock::Flock;
 pub use insight::{Insight, Member};
 pub use present::{Estimate, Present};
 pub use settings::{
-    AltitudeLaw, ControllerSettings, CourseLaw, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, WeightKind,
-    WeightSettings,
+    AltitudeLaw, ControllerSettings, CourseLaw, ForecastKind, LawSettings, LookAheadSettings, ObstacleRule, SideRule,
+    WeightKind, WeightSettings,
 };

@@ -7,7 +7,7 @@ use crate::evasion::{Asked, evade};
 use crate::forecast::{Forecast, Passage};
 use crate::insight::Insight;
 use crate::law::{Flown, command};
-use crate::look_ahead::{LookAhead, Scene, WeightProblem};
+use crate::look_ahead::{LookAhead, Scene, Standing, WeightProblem};
 use crate::neighbours::Neighbours;
 use crate::rollout::Rollout;
 use crate::terms::Neighbour;
@@ -48,8 +48,8 @@ pub struct Pilot {
     optimizer: Box<dyn Optimizer>,
     bounds: Vec<Bounds>,
     last_weights: Option<[f64; 3]>,
-    /// Of the last command: the next one does not jump far from it.
-    last_heading_rad: Option<f64>,
+    /// Airspeed on which the last command settles, m/s, and its heading, rad: the next one does not jump far from it.
+    last_command: Option<(f64, f64)>,
     sight: Sight,
     rollout: Box<Rollout>,
     /// Of the last tick, where that is asked for.
@@ -85,7 +85,7 @@ impl Pilot {
             optimizer: settings.optimizer.build()?,
             bounds: vec![bounds; dimensions],
             last_weights: None,
-            last_heading_rad: None,
+            last_command: None,
             sight: Sight::default(),
             rollout: Box::new(Rollout::new()),
             insight: None,
@@ -121,7 +121,7 @@ impl Pilot {
         let mut rng = stream(settings.seed, vehicle as u64, tick);
         let mut problem = WeightProblem {
             look_ahead: &self.look_ahead,
-            scene: self.sight.scene(settings, state),
+            scene: self.sight.scene(settings, state, self.last_command),
             kind: settings.controller.weights.kind,
             bounds: &self.bounds,
             rollout: &mut self.rollout,
@@ -133,13 +133,13 @@ impl Pilot {
         let sight = &self.sight;
         if let Some(insight) = &mut self.insight {
             (insight.tick, insight.optimizer) = (tick, self.optimizer.name());
-            insight.fly(&self.look_ahead, &sight.scene(settings, state), &mut self.rollout);
+            insight.fly(&self.look_ahead, &sight.scene(settings, state, self.last_command), &mut self.rollout);
         }
         let speed_mps = around.reference_speeds_mps.get(vehicle).copied().unwrap_or(state.speed_mps);
         let own = State { speed_mps, ..state };
-        let flown = Flown { commander: &self.commander, state: &own, wind: &sight.wind };
+        let last_heading_rad = self.last_command.map(|(_, heading_rad)| heading_rad);
+        let flown = Flown { commander: &self.commander, state: &own, wind: &sight.wind, last_heading_rad };
         let setpoint = command(law, expected, &flown, &sight.neighbours, &sight.obstacles, choice.weights);
-        let setpoint = self.without_a_jump(&state, setpoint);
         Decision { setpoint, weights: choice.weights, feasible: choice.violation_m <= 0.0, solve }
     }
 
@@ -150,23 +150,11 @@ impl Pilot {
         }
     }
 
-    /// The decision goes out: the next command does not jump far from it.
-    pub fn commit(&mut self, decision: &Decision) {
-        self.last_heading_rad = Some(self.commander.in_air(&decision.setpoint, &self.sight.wind).course_rad);
-    }
-
-    /// The setpoint nearest to a wanted one that the vehicle can turn to after the last command.
-    fn without_a_jump(&self, state: &State, wanted: Setpoint) -> Setpoint {
-        let (wind, air) = (&self.sight.wind, state.in_air(&self.sight.wind));
-        let wanted_in_air = self.commander.in_air(&wanted, wind);
-        let [least_rad, most_rad] = self.commander.course_changes_rad(&air, self.last_heading_rad);
-        let change_rad = wrap_pi(wanted_in_air.course_rad - air.course_rad);
-        if (least_rad..=most_rad).contains(&change_rad) {
-            return wanted;
-        }
-        let change_rad = if change_rad < least_rad { least_rad } else { most_rad };
-        let nearest = Setpoint { course_rad: wrap_pi(air.course_rad + change_rad), ..wanted_in_air };
-        self.commander.over_ground(&nearest, wind)
+    /// The decision goes out: the next command does not jump far from it. Gives the heading that it asks for, rad.
+    pub fn commit(&mut self, decision: &Decision) -> f64 {
+        let in_air = self.commander.in_air(&decision.setpoint, &self.sight.wind);
+        self.last_command = Some((self.commander.speed_mps(&in_air), in_air.course_rad));
+        in_air.course_rad
     }
 
     /// Checks a decision again with the forecast of the commands that the other vehicles have been given; returns
@@ -193,13 +181,8 @@ impl Pilot {
         let (wind, air) = (self.sight.wind, state.in_air(&self.sight.wind));
         let asked = self.commander.in_air(&decision.setpoint, &wind);
         let by_law = (self.commander.speed_mps(&asked), wrap_pi(asked.course_rad - air.course_rad));
-        let asked = Asked {
-            by_law,
-            course_changes_rad: self.commander.course_changes_rad(&air, self.last_heading_rad),
-            turning_rad: self.last_heading_rad.map_or(0.0, |last_rad| wrap_pi(last_rad - air.course_rad)),
-            side_m: settings.side_m,
-        };
-        let scene = self.sight.scene(settings, state);
+        let asked = Asked { by_law, side_m: settings.side_m };
+        let scene = self.sight.scene(settings, state, self.last_command);
         let evasion = evade(&self.look_ahead, &self.commander, &scene, decision.weights, &asked, &mut self.rollout);
         if (evasion.speed_setpoint_mps, evasion.course_change_rad) == by_law {
             return Decision { feasible: evasion.violation_m <= 0.0, ..decision };
@@ -214,12 +197,15 @@ impl Pilot {
 
 impl Sight {
     /// The input of the look-ahead.
-    fn scene(&self, settings: &FlockSettings, state: State) -> Scene<'_> {
+    fn scene(&self, settings: &FlockSettings, state: State, last_command: Option<(f64, f64)>) -> Scene<'_> {
         let (law, position_m) = (&settings.controller.law, state.position_m());
-        let heading = course_vector(state.in_air(&self.wind).course_rad);
+        let heading_rad = state.in_air(&self.wind).course_rad;
+        let heading = course_vector(heading_rad);
         Scene {
             state,
             wind: self.wind,
+            standing: last_command
+                .map(|(speed_mps, last_rad)| Standing { speed_mps, turn_rad: wrap_pi(last_rad - heading_rad) }),
             expected: settings.expected,
             obstacles: &self.obstacles,
             close_obstacles: &self.close_obstacles,

@@ -9,9 +9,10 @@
 
 use crate::command::Commander;
 use crate::forecast::Passage;
-use crate::polynomial::{ln, sincos};
+use crate::look_ahead::Standing;
+use crate::polynomial::{SINCOS_RANGE_RAD, ln, sincos};
 use crate::terms::half_angle;
-use crate::{Expected, LawSettings, Obstacle, ObstacleRule};
+use crate::{Expected, LawSettings, Obstacle, ObstacleRule, SideRule};
 use flight_model::{State, Wind};
 use nalgebra::Vector2;
 
@@ -106,6 +107,8 @@ pub struct Rollout {
     inflated: Each,
     speed_setpoint: Each,
     course_change: Each,
+    /// The turn that the last command still asks for.
+    asked: Each,
     pub cost_1: Each,
     pub cost_2: Each,
     pub violation_m: Each,
@@ -139,15 +142,17 @@ impl Rollout {
             inflated: ZERO,
             speed_setpoint: ZERO,
             course_change: ZERO,
+            asked: ZERO,
             cost_1: ZERO,
             cost_2: ZERO,
             violation_m: ZERO,
         }
     }
 
-    /// Puts `pigeons` vehicles at `state` in a wind, with no cost and no violation yet.
+    /// Puts `pigeons` vehicles at `state` in a wind, with what the last command still asks for, and no cost and no
+    /// violation yet.
     #[inline(always)]
-    pub fn start(&mut self, state: &State, wind: &Wind, pigeons: usize) {
+    pub fn start(&mut self, state: &State, wind: &Wind, standing: Option<Standing>, pigeons: usize) {
         self.count = pigeons.next_multiple_of(VECTOR).min(BATCH);
         let air = state.in_air(wind);
         let (sin, cos) = libm::sincos(air.course_rad);
@@ -160,6 +165,8 @@ impl Rollout {
             (&mut self.sin, sin),
             (&mut self.vx, air.speed_mps * cos + wind.north_mps),
             (&mut self.vy, air.speed_mps * sin + wind.east_mps),
+            (&mut self.asked, standing.map_or(0.0, |standing| standing.turn_rad)),
+            (&mut self.speed_setpoint, standing.map_or(air.speed_mps, |standing| standing.speed_mps)),
             (&mut self.cost_1, 0.0),
             (&mut self.cost_2, 0.0),
             (&mut self.violation_m, 0.0),
@@ -265,9 +272,20 @@ impl Rollout {
         }
     }
 
-    /// Eq. 4 with each pigeon's weights, then Eq. 2: the command that each follows next.
+    /// Eq. 4 with each pigeon's weights, then Eq. 2: the command that each follows next; the first of all may ask for
+    /// any turn.
     #[inline(always)]
-    pub fn follow_law(&mut self, commander: &Commander, law: &LawSettings, expected: &Expected, weights: &[Each; 3]) {
+    pub fn follow_law(
+        &mut self,
+        commander: &Commander,
+        law: &LawSettings,
+        expected: &Expected,
+        weights: &[Each; 3],
+        is_first: bool,
+    ) {
+        let step_speed = if is_first { f64::INFINITY } else { commander.course_step_speed_max };
+        let command_cost = if is_first { 0.0 } else { law.command_cost_s };
+        let side_range = if law.side_rule == SideRule::Command { SINCOS_RANGE_RAD } else { 0.0 };
         let ahead = expected.direction();
         let (ahead_x, ahead_y) = (ahead.x, ahead.y);
         for i in 0..self.count.min(BATCH) {
@@ -283,7 +301,10 @@ impl Rollout {
             let right_y = centre_y * half_cos + centre_x * half_sin;
             let left_x = centre_x * half_cos + centre_y * half_sin;
             let left_y = centre_y * half_cos - centre_x * half_sin;
-            let right = right_x * cos + right_y * sin >= left_x * cos + left_y * sin;
+            let asked = self.asked[i];
+            let (asked_sin, asked_cos) = sincos(clamp(asked, -side_range, side_range));
+            let (from_x, from_y) = (cos * asked_cos - sin * asked_sin, sin * asked_cos + cos * asked_sin);
+            let right = right_x * from_x + right_y * from_y >= left_x * from_x + left_y * from_y;
             let free = self.least[i] == f64::INFINITY;
             let towards_x = if right { right_x } else { left_x };
             let towards_y = if right { right_y } else { left_y };
@@ -313,7 +334,13 @@ impl Rollout {
             let fastest = if setpoint > turning_speed { setpoint } else { turning_speed };
             let bound = commander.course_change_speed_max / fastest;
             let bound = if bound < commander.course_change_max_rad { bound } else { commander.course_change_max_rad };
-            self.course_change[i] = clamp(turn_s * across / turning_speed, -bound, bound);
+            let step = step_speed / turning_speed;
+            let step = if step < std::f64::consts::PI { step } else { f64::INFINITY };
+            let change = clamp(turn_s * across / turning_speed, asked - step, asked + step);
+            let change = clamp(change, -bound, bound);
+            self.course_change[i] = change;
+            let speed_change = (setpoint - self.speed_setpoint[i]).abs();
+            self.cost_1[i] += command_cost * (turning_speed * (change - asked).abs() + speed_change);
             self.speed_setpoint[i] = setpoint;
         }
     }
@@ -351,6 +378,7 @@ impl Rollout {
             self.middle_y[i] = self.y[i] + step.period_s / 4.0 * (self.vy[i] + vy_1);
             self.x[i] += step.period_s / 6.0 * (self.vx[i] + 4.0 * vx_1 + vx_2);
             self.y[i] += step.period_s / 6.0 * (self.vy[i] + 4.0 * vy_1 + vy_2);
+            self.asked[i] = turn - turn * step.course_gain[1];
             self.speed[i] = speed_2;
             self.cos[i] = cos_2;
             self.sin[i] = sin_2;

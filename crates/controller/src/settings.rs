@@ -45,12 +45,18 @@ pub struct LawSettings {
     /// The steering obstacle's radius is inflated by this much (reading 8: 3 m; half of that flies smoother and closer,
     /// and the clearance constraint of the look-ahead is what keeps vehicles off).
     pub obstacle_margin_m: f64,
+    /// On which side an obstacle is passed.
+    pub side_rule: SideRule,
     /// l of Eq. 12.
     pub influence_factor: f64,
     /// The weight in Eq. 11 of a deviation of 1 m/s from the expected velocity, in metres of progress, while obstacles
     /// are in sight. The paper counts only progress, which is 0 here; then a vehicle that is fast and far to the side
     /// costs no more than one that holds the course.
     pub velocity_cost_s: f64,
+    /// The weight in Eq. 11 of a change of the commanded velocity by 1 m/s from one control period to the next, in
+    /// metres of progress. The paper has none: a vehicle that zig-zags about its course costs no more than one that
+    /// holds it.
+    pub command_cost_s: f64,
     /// How altitude is commanded (reading 5).
     pub altitude_law: AltitudeLaw,
     /// Which time constant turns (reading 4).
@@ -65,6 +71,19 @@ pub enum ObstacleRule {
     Blocking,
     /// The nearest detected one, whether in the way or not: the letter of Eq. 7.
     Nearest,
+}
+
+/// From which course the smaller turn of Eq. 7 is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SideRule {
+    /// As `Command` over a link, where commands act late; there changes of the commanded velocity cost something. Else
+    /// as `Course`.
+    Auto,
+    /// The present one: the letter of Eq. 7. Dead ahead of an obstacle the side may change with every command.
+    Course,
+    /// The one that the last command asks for: a vehicle that turns to one side goes on to do so.
+    Command,
 }
 
 /// How the altitude setpoint is made (reading 5).
@@ -162,8 +181,10 @@ impl Default for LawSettings {
             perception_distance_m: 120.0,
             obstacle_rule: ObstacleRule::Blocking,
             obstacle_margin_m: 1.5,
+            side_rule: SideRule::Auto,
             influence_factor: 1.0,
             velocity_cost_s: 0.25,
+            command_cost_s: 0.0,
             altitude_law: AltitudeLaw::Auto,
             course_law: CourseLaw::Auto,
         }
@@ -204,6 +225,7 @@ impl LawSettings {
             ("obstacle_margin_m", self.obstacle_margin_m, 100.0),
             ("influence_factor", self.influence_factor, 1e3),
             ("velocity_cost_s", self.velocity_cost_s, 1e3),
+            ("command_cost_s", self.command_cost_s, 1e3),
         ] {
             ranges.within(name, value, 0.0, high);
         }
@@ -255,7 +277,9 @@ impl ControllerSettings {
     pub fn paper() -> Self {
         let mut settings = Self::default();
         settings.law.obstacle_margin_m = 3.0;
+        settings.law.side_rule = SideRule::Course;
         settings.law.velocity_cost_s = 0.0;
+        settings.law.command_cost_s = 0.0;
         settings.law.course_law = CourseLaw::Printed;
         settings.weights = WeightSettings { kind: WeightKind::Shared, min: 0.0, ..settings.weights };
         settings.look_ahead.forecast = ForecastKind::Straight;

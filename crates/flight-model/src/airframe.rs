@@ -51,6 +51,7 @@ impl Airframe {
                     // Its autopilot could do 0.9 to 1.3; faster changes make it pitch, and take the lift from its turns.
                     acceleration_max_mps2: 0.4,
                     course_step_max_rad: 50_f64.to_radians(),
+                    turn_share: 0.73,
                 },
             },
             plant: Some(PlantSettings::plane()),
@@ -83,6 +84,7 @@ impl Airframe {
                     course_reference_speed_mps: Some(15.0),
                     acceleration_max_mps2: 2.5,
                     course_step_max_rad: 50_f64.to_radians(),
+                    turn_share: 1.0,
                 },
             },
             plant: Some(PlantSettings::px4_plane()),

@@ -9,8 +9,9 @@ use crate::{Dynamics, Limits, Setpoint, State, course_vector, wrap_pi};
 /// step of h is of order h^5: below 1e-10 m at 10 ms). Where a limit acts the step is first order in the moment at
 /// which it begins to act.
 ///
-/// Of [`Response`](crate::Response) it flies the gain of speed, the limit of acceleration, and the growth of the course
-/// loop's time constant. Dead times are the caller's: a step knows only the setpoint that acts in it.
+/// Of [`Response`](crate::Response) it flies the gain of speed, the limit of acceleration, the growth of the course
+/// loop's time constant, and the share of a turn. Dead times are the caller's: a step knows only the setpoint that acts
+/// in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Autopilot {
     dynamics: Dynamics,
@@ -94,7 +95,7 @@ impl Autopilot {
     /// n_max g / V. Where the rate is limited the course first runs along a ramp, then leaves it exponentially.
     fn courses(&self, state: &State, setpoint: &Setpoint, speed_end_mps: f64) -> [f64; 2] {
         let error = wrap_pi(setpoint.course_rad - state.course_rad);
-        let rate_max = self.limits.turn_rate_max_radps(state.speed_mps.max(speed_end_mps));
+        let rate_max = self.dynamics.turn_rate_max_radps(state.speed_mps.max(speed_end_mps));
         let (course_time_constant_s, course_decay) = self.course_loop(state.speed_mps);
         let error_at_limit = rate_max * course_time_constant_s;
         if error.abs() <= error_at_limit {
@@ -200,6 +201,15 @@ mod tests {
         assert!((states[100].course_rad - 0.5).abs() < 1e-9);
         let closed_form = 1.0 - 0.375 * libm::exp(-(3.0 - 1.25) / 0.75);
         assert!((states[300].course_rad - closed_form).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_vehicle_that_slips_turns_by_its_share_of_the_limit() {
+        let mut dynamics = Dynamics::default();
+        (dynamics.limits.lateral_overload_max, dynamics.response.turn_share) = (0.5, 0.6);
+        let setpoint = Setpoint { course_rad: 1.0, ..cruise().hold() };
+        let turned_rad = Autopilot::new(&dynamics, 1.0).step(&cruise(), &setpoint).course_rad;
+        assert!((turned_rad - 0.3).abs() < 1e-12, "{turned_rad}");
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub struct Response {
     pub acceleration_max_mps2: f64,
     /// Turns are Eq. 1 up to this course error, rad: a controller asks for no more at once.
     pub course_step_max_rad: f64,
+    /// Lateral acceleration in a steady turn, as a share of that of a coordinated turn with the same bank.
+    pub turn_share: f64,
 }
 
 /// All that distinguishes one vehicle's dynamics from another's.
@@ -81,6 +83,7 @@ impl Default for Response {
             course_reference_speed_mps: None,
             acceleration_max_mps2: f64::INFINITY,
             course_step_max_rad: std::f64::consts::PI,
+            turn_share: 1.0,
         }
     }
 }
@@ -134,6 +137,7 @@ impl Response {
             ranges.within("acceleration_max_mps2", self.acceleration_max_mps2, 0.01, 1e3);
         }
         ranges.within("course_step_max_deg", self.course_step_max_rad.to_degrees(), 1.0, 180.0);
+        ranges.within("turn_share", self.turn_share, 0.1, 3.0);
         ranges.errors()
     }
 }
@@ -146,6 +150,16 @@ impl Dynamics {
             Some(reference_mps) => self.time_constants.course_s * (speed_mps / reference_mps).max(0.1),
             None => self.time_constants.course_s,
         }
+    }
+
+    /// Greatest lateral acceleration that turns the vehicle, m/s2: its share of n_max g.
+    pub fn turn_acceleration_max_mps2(&self) -> f64 {
+        self.response.turn_share * self.limits.lateral_acceleration_max_mps2()
+    }
+
+    /// Greatest rate of turn at a speed in m/s, rad/s: n_max g / V (Eq. 3), or the vehicle's share of it.
+    pub fn turn_rate_max_radps(&self, speed_mps: f64) -> f64 {
+        self.turn_acceleration_max_mps2() / speed_mps
     }
 
     /// Every constant that is out of its range, by the name that a scenario file gives it.
@@ -165,11 +179,6 @@ impl Dynamics {
 }
 
 impl Limits {
-    /// Greatest rate of turn at a speed in m/s: n_max g / V, rad/s (Eq. 3).
-    pub fn turn_rate_max_radps(&self, speed_mps: f64) -> f64 {
-        self.lateral_acceleration_max_mps2() / speed_mps
-    }
-
     /// Greatest lateral acceleration n_max g, m/s2.
     pub fn lateral_acceleration_max_mps2(&self) -> f64 {
         self.lateral_overload_max * self.gravity_mps2

@@ -92,7 +92,8 @@ fn with_planes(flags: &[Layer]) -> Vec<Layer> {
         // Scripts lean on how these have always flown: by Eq. 1 as it is printed, to the last bit.
         const AS_ALWAYS: &str = "speed_gain = 1.0, course_time_constant_s = 3.2, speed_dead_time_s = 0.0, \
                                  course_dead_time_s = 0.0, altitude_dead_time_s = 0.0, \
-                                 course_reference_speed_mps = 0.0, acceleration_max_mps2 = 0.0";
+                                 course_reference_speed_mps = 0.0, acceleration_max_mps2 = 0.0, \
+                                 turn_share = 1.0";
         lay("airframe", &format!("airframe = {{ base = \"{PLANE}\", flies = \"equation-1\", {AS_ALWAYS} }}"));
         if !has_number {
             lay("vehicles.count", "vehicles.count = 5");

@@ -32,7 +32,7 @@ const IDENTITY: [Column; 3] = [
     ("seed", Whole(|row| Some(row.seed))),
 ];
 
-const FLIGHT: [Column; 31] = [
+const FLIGHT: [Column; 33] = [
     ("algorithm", Text(|row| Some(&row.summary.algorithm))),
     ("preset", Text(|row| Some(&row.summary.preset))),
     ("evaluations_per_solve", Whole(|row| Some(row.evaluations as u64))),
@@ -62,6 +62,8 @@ const FLIGHT: [Column; 31] = [
     ("flock_radius_m", Real(|row| Some(row.summary.flock_radius_m))),
     ("flock_radius_end_m", Real(|row| Some(row.summary.flock_radius_end_m))),
     ("prediction_rms_m", Real(|row| row.summary.prediction_rms_m)),
+    ("course_setpoint_change_p99_rad", Real(|row| row.summary.course_setpoint_change_p99_rad)),
+    ("course_setpoint_change_p99_share", Real(|row| row.summary.course_setpoint_change_p99_share)),
     ("transport", Text(|row| Some(&row.summary.transport))),
     ("version", Text(|row| Some(&row.summary.version))),
 ];

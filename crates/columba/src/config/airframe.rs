@@ -46,6 +46,7 @@ pub struct AirframeTable {
     course_reference_speed_mps: Option<f64>,
     acceleration_max_mps2: Option<f64>,
     course_step_max_deg: Option<f64>,
+    turn_share: Option<f64>,
     /// What a simulated vehicle flies; where left out, the plant of the base, unless a constant of Eq. 1 is given.
     flies: Option<Flies>,
     plant: Option<PlantTable>,
@@ -151,7 +152,7 @@ impl AirframeTable {
         let TimeConstants { speed_s, course_s, altitude_a_s, altitude_b_s } = &mut airframe.dynamics.time_constants;
         let Limits { speed_min_mps, speed_max_mps, climb_min_mps, climb_max_mps, lateral_overload_max, gravity_mps2 } =
             &mut airframe.dynamics.limits;
-        let Response { speed_gain, speed_dead_time_s, course_dead_time_s, altitude_dead_time_s, .. } =
+        let Response { speed_gain, speed_dead_time_s, course_dead_time_s, altitude_dead_time_s, turn_share, .. } =
             &mut airframe.dynamics.response;
         for (value, own) in [
             (&mut airframe.cruise_speed_mps, self.cruise_speed_mps),
@@ -170,6 +171,7 @@ impl AirframeTable {
             (speed_dead_time_s, self.speed_dead_time_s),
             (course_dead_time_s, self.course_dead_time_s),
             (altitude_dead_time_s, self.altitude_dead_time_s),
+            (turn_share, self.turn_share),
         ] {
             *value = own.unwrap_or(*value);
         }
@@ -296,6 +298,7 @@ pub fn toml(airframe: &Airframe) -> String {
         course_reference_speed_mps,
         acceleration_max_mps2,
         course_step_max_rad,
+        turn_share,
     } = airframe.dynamics.response;
     let dynamics = [
         ("speed_time_constant_s", speed_s),
@@ -315,6 +318,7 @@ pub fn toml(airframe: &Airframe) -> String {
         ("course_reference_speed_mps", course_reference_speed_mps.unwrap_or(0.0)),
         ("acceleration_max_mps2", Some(acceleration_max_mps2).filter(|limit| limit.is_finite()).unwrap_or(0.0)),
         ("course_step_max_deg", course_step_max_rad.to_degrees()),
+        ("turn_share", turn_share),
     ];
     let autopilot = [("cruise_speed_mps", airframe.cruise_speed_mps), ("loiter_radius_m", airframe.loiter_radius_m)];
     let lines = |table: &str, values: &[(&str, f64)]| {

@@ -2,6 +2,7 @@
 
 use super::summary::{self, Solves, field, settings};
 use super::{Closed, FlightError, Interval};
+use crate::chatter::with_chatter;
 use crate::config::Scenario;
 use crate::flight::{Flight, Row, Summary, Tick, Trajectory};
 use crate::judge::{Judge, Minima, Verdict};
@@ -122,7 +123,7 @@ impl Recorder {
             ..summary::judged(&verdict, summary::planned(scenario, transport))
         };
         let (field, settings) = (field(scenario), settings(scenario));
-        with_prediction(Flight { summary, field, settings, trajectory: self.trajectory, dynamics })
+        with_chatter(with_prediction(Flight { summary, field, settings, trajectory: self.trajectory, dynamics }))
     }
 
     fn keep(&mut self, at: Duration, states: &[State], decisions: &[Decision]) {

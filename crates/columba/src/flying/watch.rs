@@ -146,8 +146,7 @@ impl Watch {
             Message::VFR_HUD(data) => craft.present.hear_airspeed(now.as_secs_f64(), f64::from(data.airspeed)),
             Message::TIMESYNC(data) => {
                 if let Some(round_trip) = round_trip(data, now) {
-                    craft.clock.round_trip(round_trip, now);
-                    craft.present.set_command_delay_s(craft.clock.command_delay_s().unwrap_or(0.0));
+                    craft.round_trip(round_trip, now);
                 }
             }
             _ => {}
@@ -332,6 +331,14 @@ impl Craft {
             self.present.clear();
         }
         self.clock.ground_time_s(boot_ms)
+    }
+
+    /// Takes a round trip: the delay that it tells holds for what was heard and sent before it as well.
+    fn round_trip(&mut self, round_trip: Duration, now: Duration) {
+        let before_s = self.clock.delay_s().unwrap_or(0.0);
+        self.clock.round_trip(round_trip, now);
+        self.present.shift_heard(before_s - self.clock.delay_s().unwrap_or(0.0));
+        self.present.set_command_delay_s(self.clock.command_delay_s().unwrap_or(0.0));
     }
 
     fn jitter_s(&self) -> f64 {

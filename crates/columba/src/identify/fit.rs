@@ -27,6 +27,17 @@ pub struct Course {
     pub step_max_rad: f64,
 }
 
+/// How hard it turns with a bank.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurnShare {
+    /// Lateral acceleration, as a share of that of a coordinated turn with the same bank.
+    pub share: f64,
+    /// Half of the range over single turns.
+    pub spread: Option<f64>,
+    /// Of how many turns.
+    pub responses: usize,
+}
+
 /// The speed loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Speed {
@@ -67,6 +78,8 @@ pub struct Altitude {
     pub climb_min_mps: f64,
 }
 
+/// Standard gravity, m/s2.
+const GRAVITY_MPS2: f64 = 9.806_65;
 /// A response that ends before this share of the step does not follow.
 const FOLLOWS: f64 = 0.5;
 /// Steps of altitude beyond this run into the limits of climb, m.
@@ -145,6 +158,44 @@ pub fn course(recording: &Recording, steps_deg: Range<f64>, notes: &mut Vec<Stri
         responses: turns.len(),
         rms: cost.sqrt(),
         step_max_rad: turns.iter().map(|turn| turn.step.abs()).fold(0.0, f64::max),
+    })
+}
+
+/// How hard it turns with its bank: what it has turned in whole turns, against what coordinated ones with the same bank
+/// would have. Over a whole turn what comes late is there in the end, so that only what stays counts. None where banks
+/// came too seldom, or no turn is whole.
+pub fn turn_share(recording: &Recording) -> Option<TurnShare> {
+    const WANTED: Wanted = Wanted { step_min: 0.15, rest_s: 4.0, longest_s: 12.0, shortest_s: 8.0, is_angle: true };
+    /// In harder turns lift comes late as well, and some of it is never there.
+    const STEP_MAX_RAD: f64 = 0.9;
+    const GAP_MAX_S: f64 = 0.35;
+    let turns = find(&recording.samples, &recording.course, &Commands::new(), &WANTED, |sample| sample.course_rad);
+    let whole = |turn: &&Response| turn.step.abs() < STEP_MAX_RAD && turn.end() > 0.9;
+    let angles: Vec<(f64, f64)> = turns
+        .iter()
+        .filter(whole)
+        .filter_map(|turn| {
+            let first = recording.banks.partition_point(|(t_s, _)| *t_s < turn.began_s);
+            let end = recording.banks.partition_point(|(t_s, _)| *t_s <= turn.ended_s());
+            let banks = recording.banks.get(first..end)?;
+            let has_gap = banks.windows(2).any(|pair| pair[1].0 - pair[0].0 > GAP_MAX_S);
+            let covered_s = banks.last()?.0 - banks.first()?.0;
+            if has_gap || covered_s < turn.ended_s() - turn.began_s - 2.0 * GAP_MAX_S {
+                return None;
+            }
+            let tangent_s: f64 = banks
+                .windows(2)
+                .map(|pair| 0.5 * (libm::tan(pair[0].1) + libm::tan(pair[1].1)) * (pair[1].0 - pair[0].0))
+                .sum();
+            Some((turn.end() * turn.step, GRAVITY_MPS2 * tangent_s / turn.speed_mps))
+        })
+        .collect();
+    let (turned_rad, coordinated_rad) =
+        angles.iter().fold((0.0, 0.0), |sum, turn| (sum.0 + turn.0.abs(), sum.1 + turn.1 * turn.0.signum()));
+    (coordinated_rad > 0.1).then(|| TurnShare {
+        share: turned_rad / coordinated_rad,
+        spread: spread(angles.iter().map(|turn| turn.0 / turn.1)),
+        responses: angles.len(),
     })
 }
 

@@ -11,7 +11,7 @@ pub mod responses;
 mod simplex;
 pub mod words;
 
-use fit::{Altitude, Course, Speed};
+use fit::{Altitude, Course, Speed, TurnShare};
 use mavlink_bridge::TlogRecord;
 use recording::Recording;
 use std::collections::BTreeMap;
@@ -29,6 +29,8 @@ pub struct Identified {
     pub course: Result<Course, String>,
     /// The same in harder turns, where Eq. 1 is not expected to hold.
     pub hard_course: Option<Course>,
+    /// How hard it turns with its bank; none: bank and turns were not heard together.
+    pub turn_share: Option<TurnShare>,
     /// Its altitude loop.
     pub altitude: Result<Altitude, String>,
     /// What else the reader is to know.
@@ -52,9 +54,10 @@ fn one(system_id: u8, recording: &Recording) -> Identified {
     }
     let course = fit::course(recording, 0.0..50.0, &mut notes);
     let hard_course = fit::course(recording, 50.0..180.0, &mut Vec::new()).ok();
+    let turn_share = fit::turn_share(recording);
     let speed = fit::speed(recording, &mut notes);
     let altitude = fit::altitude(recording, &mut notes);
-    Identified { system_id, has_wings: recording.has_wings, speed, course, hard_course, altitude, notes }
+    Identified { system_id, has_wings: recording.has_wings, speed, course, hard_course, turn_share, altitude, notes }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! that of the telemetry that came with the least delay. So a dead time includes the delay of the link, both ways.
 
 use flight_model::wrap_pi;
-use mavlink_bridge::dialect::{GLOBAL_POSITION_INT_DATA, MavCmd, MavFrame, MavResult, Message};
+use mavlink_bridge::dialect::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, MavCmd, MavFrame, MavResult, Message};
 use mavlink_bridge::{AltitudeDatum, TlogRecord};
 use std::collections::BTreeMap;
 
@@ -31,6 +31,8 @@ pub type Commands = Vec<(f64, f64)>;
 pub struct Recording {
     /// In order of time.
     pub samples: Vec<Sample>,
+    /// The vehicle's time, s, and its bank, rad, in order of time.
+    pub banks: Vec<(f64, f64)>,
     /// Speed setpoints, m/s.
     pub speed: Commands,
     /// Course setpoints, rad.
@@ -90,6 +92,13 @@ impl Recording {
             altitude_m,
             climb_mps: -0.01 * f64::from(data.vz),
         });
+    }
+
+    fn hear_attitude(&mut self, data: &ATTITUDE_DATA) {
+        let (t_s, bank_rad) = (f64::from(data.time_boot_ms) * 1e-3, f64::from(data.roll));
+        if bank_rad.is_finite() && self.banks.last().is_none_or(|(last_s, _)| t_s > *last_s) {
+            self.banks.push((t_s, bank_rad));
+        }
     }
 
     fn part(&mut self, part: Part) -> &mut Commands {
@@ -208,6 +217,7 @@ pub fn read<'a>(records: impl IntoIterator<Item = &'a TlogRecord>) -> BTreeMap<u
         let sender = frame.header.system_id;
         match &message {
             Message::GLOBAL_POSITION_INT(data) => vehicles.entry(sender).or_default().hear(data, at_s),
+            Message::ATTITUDE(data) => vehicles.entry(sender).or_default().hear_attitude(data),
             Message::HEARTBEAT(data) => {
                 use mavlink_bridge::dialect::MavType;
                 if data.mavtype == MavType::MAV_TYPE_FIXED_WING {

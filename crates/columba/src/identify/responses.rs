@@ -41,6 +41,11 @@ impl Response {
         (squares / self.points.len().max(1) as f64).sqrt()
     }
 
+    /// When it was over, s.
+    pub fn ended_s(&self) -> f64 {
+        self.began_s + self.points.last().map_or(0.0, |(t_s, _)| *t_s)
+    }
+
     /// How far it is at its end, as a share of the step.
     pub fn end(&self) -> f64 {
         let last = &self.points[self.points.len().saturating_sub(5)..];

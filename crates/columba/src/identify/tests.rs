@@ -3,13 +3,15 @@ use super::recording::{Recording, Sample};
 use super::{Identified, one};
 use flight_model::{Airframe, Autopilot, Dynamics, Plant, Response, Setpoint, SetpointDelay, State, Wind};
 
-/// Flies the steps and records positions at 10 Hz, as a tlog would have them.
-fn record(speed_mps: f64, mut fly: impl FnMut(&State, &Setpoint) -> State) -> Recording {
+/// Flies the steps and records positions and banks at 10 Hz, as a tlog would have them; `fly` gives the next state and
+/// the bank in rad.
+fn record(speed_mps: f64, mut fly: impl FnMut(&State, &Setpoint) -> (State, f64)) -> Recording {
     const STEP_S: f64 = 0.01;
     let settings = StepSettings { speed_mps, course_rad: 0.5, altitude_m: 100.0, area_m: 3_000.0 };
     let mut flight = StepFlight::new(settings);
     let mut recording = Recording::default();
     let mut state = State { altitude_m: 100.0, speed_mps, course_rad: 0.5, ..State::default() };
+    let mut bank_rad = 0.0;
     let mut last: Option<Setpoint> = None;
     let mut setpoint = state.hold();
     for step in 0..100_000_u32 {
@@ -34,8 +36,9 @@ fn record(speed_mps: f64, mut fly: impl FnMut(&State, &Setpoint) -> State) -> Re
         if step % 10 == 0 {
             let State { speed_mps, course_rad, altitude_m, climb_mps, .. } = state;
             recording.samples.push(Sample { t_s, speed_mps, course_rad, altitude_m, climb_mps });
+            recording.banks.push((t_s, bank_rad));
         }
-        state = fly(&state, &setpoint);
+        (state, bank_rad) = fly(&state, &setpoint);
     }
     recording
 }
@@ -47,7 +50,7 @@ fn of_equation_1(dynamics: Dynamics, wind: Wind) -> Identified {
     let recording = record(20.0, |state, setpoint| {
         let mut setpoint = dead_times.as_mut().map_or(*setpoint, |dead_times| dead_times.pass(setpoint));
         setpoint.course_rad = wind.heading_rad(setpoint.course_rad, state.in_air(&wind).speed_mps);
-        autopilot.step_in_wind(state, &setpoint, &wind)
+        (autopilot.step_in_wind(state, &setpoint, &wind), 0.0)
     });
     one(1, &recording)
 }
@@ -106,12 +109,16 @@ fn a_plant_is_the_equation_1_that_a_real_plane_is() {
     let airframe = Airframe::plane();
     let start = State { altitude_m: 100.0, speed_mps: 20.0, course_rad: 0.5, ..State::default() };
     let mut plant = Plant::new(&airframe.plant.unwrap(), &airframe.dynamics.limits, 0.01, 584.0, &start);
-    let found = one(1, &record(20.0, |state, setpoint| plant.step(state, setpoint, &Wind::CALM)));
+    let found = one(1, &record(20.0, |state, setpoint| (plant.step(state, setpoint, &Wind::CALM), plant.bank_rad())));
     // Measured on an ArduPlane: 3.1 s, 0.17 s, at most 2 %; beyond 45 degrees 1.6 s and 0.45 s, 4 to 5 %.
     let course = found.course.unwrap();
     near(course.time_constant_s, 3.1, 0.31);
     near(course.dead_time_s, 0.17, 0.06);
     assert!(course.rms < 0.02, "{course:?}");
+    // As the plant was made.
+    let turn = found.turn_share.unwrap();
+    near(turn.share, 0.733, 0.022);
+    assert!(turn.responses == 4 && turn.spread.unwrap() < 0.03, "{turn:?}");
     let hard = found.hard_course.unwrap();
     assert!(hard.time_constant_s < 2.3 && hard.rms > 0.03, "{hard:?}");
     let speed = found.speed.unwrap();
@@ -128,8 +135,9 @@ fn what_is_not_known_is_told() {
     silent.samples.push(Sample { t_s: 0.0, speed_mps: 1.0, course_rad: 0.0, altitude_m: 0.0, climb_mps: 0.0 });
     let found = one(1, &silent);
     assert!(found.course.is_err() && found.speed.is_err() && found.altitude.is_err() && found.hard_course.is_none());
+    assert!(found.turn_share.is_none());
     // It is told to turn and flies straight on.
-    let recording = record(20.0, |state, _| *state);
+    let recording = record(20.0, |state, _| (*state, 0.0));
     let found = one(1, &recording);
     assert!(found.course.is_err() && found.notes.iter().any(|note| note.contains("not followed")), "{found:?}");
 }

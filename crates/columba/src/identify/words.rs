@@ -1,7 +1,7 @@
 //! What is known of vehicles, in words and as an airframe file.
 
 use super::Identified;
-use super::fit::{Altitude, Course, Speed};
+use super::fit::{Altitude, Course, Speed, TurnShare};
 use std::fmt::Write;
 
 /// What Eq. 1 leaves of a step beyond this does not count as a fit.
@@ -23,6 +23,9 @@ pub fn told(identified: &Identified) -> String {
     if let Some(hard) = &identified.hard_course {
         let words = turn(hard);
         line("", format!("beyond 50 degrees: {words}"));
+    }
+    if let Some(share) = &identified.turn_share {
+        line("", slip(share));
     }
     match &identified.speed {
         Ok(speed) => {
@@ -53,6 +56,11 @@ fn turn(course: &Course) -> String {
         course.step_max_rad.to_degrees(),
         left(course.rms)
     )
+}
+
+fn slip(turn: &TurnShare) -> String {
+    let spread = turn.spread.map_or(String::new(), |spread| format!(" +- {spread:.2}"));
+    format!("turns by {:.2}{spread} of a coordinated turn; {}", turn.share, counted(turn.responses))
 }
 
 fn growth(course: &Course) -> String {
@@ -120,6 +128,9 @@ pub fn airframe_toml(identified: &Identified, whence: &str) -> String {
         if course.grows_with_speed == Some(true) {
             key("course_reference_speed_mps", course.reference_speed_mps);
         }
+    }
+    if let Some(turn) = &identified.turn_share {
+        key("turn_share", turn.share.clamp(0.1, 3.0));
     }
     if let Ok(speed) = &identified.speed {
         key("speed_gain", speed.gain);

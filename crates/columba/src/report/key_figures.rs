@@ -176,6 +176,11 @@ pub fn key_figures(flight: &Flight) -> Vec<KeyFigure> {
             format!("{} of wall time", unit(summary.wall_s, 2, "s")),
         ),
     ];
+    let chatter = [summary.course_setpoint_change_p99_rad, summary.course_setpoint_change_p99_share];
+    if let [Some(change_rad), Some(share)] = chatter {
+        let note = format!("a tick, 99th percentile; {} % of a turn of two ticks at most", fixed(100.0 * share, 0));
+        figures.push(("Course setpoint changes", unit(change_rad.to_degrees(), 0, "degrees"), note));
+    }
     figures.extend(present_figures(summary));
     if summary.obstacles > 0 {
         let passed = format!("{} of {}", summary.passed_last_obstacle, summary.vehicles);

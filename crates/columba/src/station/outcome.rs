@@ -4,6 +4,7 @@ use super::phase::fly::log::{Logged, UNKNOWN};
 use super::phase::fly::{Flown, Timing};
 use super::told::Weight;
 use super::{Station, number};
+use crate::chatter::with_chatter;
 use crate::flight::{Flight, Row, Summary, Tick, Trajectory};
 use crate::flying::{self, field, judged, settings};
 use crate::judge::Verdict;
@@ -71,7 +72,8 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
         ..judged(&verdict, planned(&station))
     };
     let dynamics = scenario.flock_settings().dynamics;
-    with_prediction(Flight { field: field(scenario), settings: settings(scenario), summary, trajectory, dynamics })
+    let flight = Flight { field: field(scenario), settings: settings(scenario), summary, trajectory, dynamics };
+    with_chatter(with_prediction(flight))
 }
 
 /// What is known of a flight before it: the header of its journal.

@@ -35,6 +35,15 @@ pub struct Commands {
     pub course_change_rad: Each,
 }
 
+/// What a command still asks for, while it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standing {
+    /// Airspeed on which the vehicle settles, m/s.
+    pub speed_mps: f64,
+    /// Turn from the present heading, rad.
+    pub turn_rad: f64,
+}
+
 /// What one vehicle sees of the world: all of a solve that does not depend on the weights.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
@@ -42,6 +51,8 @@ pub struct Scene<'a> {
     pub state: State,
     /// The wind around it.
     pub wind: Wind,
+    /// What its last command still asks for; none before the first command.
+    pub standing: Option<Standing>,
     /// What the flock is to do.
     pub expected: Expected,
     /// The obstacles that can steer within the horizon.
@@ -145,7 +156,7 @@ impl LookAhead {
         let law = &self.law;
         let expected = &scene.expected;
         let ahead = expected.direction();
-        rollout.start(&scene.state, &scene.wind, pigeons);
+        rollout.start(&scene.state, &scene.wind, scene.standing, pigeons);
         let vehicle = self.step_from(scene.state.in_air(&scene.wind).speed_mps, &scene.wind);
         let mut here = rollout.extent();
         for k in 0..=self.steps {
@@ -172,7 +183,10 @@ impl LookAhead {
             }
             match first {
                 Some(first) if k == 0 => rollout.follow(&first.speed_setpoint_mps, &first.course_change_rad),
-                _ => rollout.follow_law(&self.commander, law, expected, weights),
+                _ => {
+                    let is_first = k == 0 && scene.standing.is_none();
+                    rollout.follow_law(&self.commander, law, expected, weights, is_first);
+                }
             }
             rollout.advance(&vehicle);
             rollout.add_progress(law, expected, scene.detected);

@@ -5,8 +5,8 @@ use super::*;
 use crate::closest_approach::closest_approach_m;
 use crate::law::{Flown, command};
 use crate::terms::Neighbour;
-use crate::{AltitudeLaw, terms};
-use flight_model::{Autopilot, course_vector};
+use crate::{AltitudeLaw, SideRule, terms};
+use flight_model::{Autopilot, course_vector, wrap_pi};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
@@ -25,15 +25,33 @@ fn shortfall(distance_m: f64, wanted_m: f64) -> f64 {
     ((wanted_m * wanted_m - distance_m * distance_m) / (2.0 * wanted_m)).max(0.0)
 }
 
-fn plain(law: &LawSettings, settings: &LookAheadSettings, scene: &Scene<'_>, weights: [f64; 3]) -> Plain {
-    let dynamics = Dynamics::default();
-    let (commander, autopilot) = (Commander::new(law, &dynamics, PERIOD_S), Autopilot::new(&dynamics, PERIOD_S));
-    let half = Autopilot::new(&dynamics, 0.5 * PERIOD_S);
+/// The paper's vehicle, or one that turns as hard as it can at small course errors.
+fn vehicle(turns_slowly: bool) -> Dynamics {
+    let mut dynamics = Dynamics::default();
+    if turns_slowly {
+        (dynamics.limits.lateral_overload_max, dynamics.response.turn_share) = (0.8, 0.75);
+    }
+    dynamics
+}
+
+fn plain(
+    law: &LawSettings,
+    settings: &LookAheadSettings,
+    dynamics: &Dynamics,
+    scene: &Scene<'_>,
+    weights: [f64; 3],
+) -> Plain {
+    let (commander, autopilot) = (Commander::new(law, dynamics, PERIOD_S), Autopilot::new(dynamics, PERIOD_S));
+    let half = Autopilot::new(dynamics, 0.5 * PERIOD_S);
     let steps = settings.steps(PERIOD_S);
+    let asked_rad = |heading_rad: f64, state: &State| wrap_pi(heading_rad - state.in_air(&scene.wind).course_rad);
     let passage = |neighbour: usize, instant: usize| scene.neighbours[neighbour * (1 + 2 * steps) + instant];
     let count = scene.neighbours.len() / (1 + 2 * steps);
     let ahead = scene.expected.direction();
     let mut state = scene.state;
+    let mut last_heading_rad =
+        scene.standing.map(|standing| wrap_pi(state.in_air(&scene.wind).course_rad + standing.turn_rad));
+    let mut last_speed_mps = scene.standing.map_or(0.0, |standing| standing.speed_mps);
     let mut sum = Plain { cost_1: 0.0, cost_2: 0.0, violation_m: 0.0 };
     for step in 0..steps {
         let near: Vec<Neighbour> = (0..count)
@@ -43,8 +61,16 @@ fn plain(law: &LawSettings, settings: &LookAheadSettings, scene: &Scene<'_>, wei
             })
             .collect();
         let wind = &scene.wind;
-        let flown = Flown { commander: &commander, state: &state, wind };
+        let flown = Flown { commander: &commander, state: &state, wind, last_heading_rad };
         let setpoint = command(law, &scene.expected, &flown, &near, scene.obstacles, weights).in_air(wind);
+        if let Some(last_rad) = last_heading_rad {
+            let [last_rad, now_rad] = [last_rad, setpoint.course_rad].map(|heading_rad| asked_rad(heading_rad, &state));
+            let (speed_mps, air) = (setpoint.speed_mps, state.in_air(wind));
+            let turning_mps = air.speed_mps.max(dynamics.limits.speed_min_mps);
+            let change_mps = turning_mps * (now_rad - last_rad).abs() + (speed_mps - last_speed_mps).abs();
+            sum.cost_1 += law.command_cost_s * change_mps;
+        }
+        (last_speed_mps, last_heading_rad) = (setpoint.speed_mps, Some(setpoint.course_rad));
         // The batch samples the middle by the trapezium of velocities.
         let [middle, end] = [half, autopilot].map(|autopilot| autopilot.step_in_wind(&state, &setpoint, wind));
         let from_m = state.position_m();
@@ -102,8 +128,12 @@ fn state() -> impl Strategy<Value = State> {
 
 fn law() -> impl Strategy<Value = LawSettings> {
     let numbers = (0.0..4.0f64, 8.0..20.0f64, 0.0..2.0f64);
-    (any::<bool>(), numbers).prop_map(|(nearest, (obstacle_margin_m, communication_distance_m, velocity_cost_s))| {
+    let side_rule = prop::sample::select(vec![SideRule::Auto, SideRule::Course, SideRule::Command]);
+    (any::<bool>(), side_rule, 0.0..0.2f64, numbers).prop_map(|(nearest, side_rule, command_cost_s, numbers)| {
+        let (obstacle_margin_m, communication_distance_m, velocity_cost_s) = numbers;
         LawSettings {
+            side_rule,
+            command_cost_s,
             obstacle_rule: if nearest { ObstacleRule::Nearest } else { ObstacleRule::Blocking },
             obstacle_margin_m,
             communication_distance_m,
@@ -135,9 +165,12 @@ proptest! {
         obstacles in obstacles(),
         weights in weights(),
         horizon_s in prop::sample::select(vec![0.5, 1.5, 3.0]),
+        turns_slowly in any::<bool>(),
+        standing in prop::option::of((5.0..15.0f64, -0.5..0.5f64)),
     ) {
+        let dynamics = vehicle(turns_slowly);
         let settings = LookAheadSettings { horizon_s, ..LookAheadSettings::default() };
-        let look_ahead = LookAhead::new(&law, &settings, &Dynamics::default(), PERIOD_S);
+        let look_ahead = LookAhead::new(&law, &settings, &dynamics, PERIOD_S);
         let mut forecast = crate::forecast::Forecast::default();
         forecast.extrapolate(&others, settings.steps(PERIOD_S), PERIOD_S);
         let neighbours: Vec<Passage> = (0..others.len()).flat_map(|i| forecast.vehicle(i).to_vec()).collect();
@@ -148,6 +181,7 @@ proptest! {
         let scene = Scene {
             state,
             wind,
+            standing: standing.map(|(speed_mps, turn_rad)| Standing { speed_mps, turn_rad }),
             expected: EXPECTED,
             obstacles: &obstacles,
             close_obstacles: &obstacles,
@@ -172,7 +206,7 @@ proptest! {
             &mut Evaluations::new(&mut costs, &mut violations),
         );
         for (pigeon, weights) in weights.iter().enumerate() {
-            let wanted = plain(&law, &settings, &scene, *weights);
+            let wanted = plain(&law, &settings, &dynamics, &scene, *weights);
             let got = Plain {
                 cost_1: costs[pigeon], cost_2: costs[pigeon + violations.len()], violation_m: violations[pigeon],
             };

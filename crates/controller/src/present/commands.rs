@@ -27,6 +27,11 @@ impl Commands {
         self.sent.push_back(Command { comes_s, setpoint: *setpoint, is_lost: false });
     }
 
+    /// All commands come later by this than was thought when they were sent, s.
+    pub fn delay(&mut self, by_s: f64) {
+        self.sent.iter_mut().for_each(|command| command.comes_s += by_s);
+    }
+
     /// The setpoint that acts at a time, each part after its dead time; none before the first command acts.
     pub fn acting(&self, at_s: f64, response: &Response) -> Option<Setpoint> {
         let [speed, course, altitude] =

@@ -50,6 +50,13 @@ impl PredictionError {
         }
     }
 
+    /// The last state was flown later by this than was thought, s.
+    pub fn shift(&mut self, by_s: f64) {
+        if let Some((at_s, _)) = &mut self.last {
+            *at_s += by_s;
+        }
+    }
+
     /// A state was flown: predictions for moments up to then are compared.
     pub fn flown(&mut self, at_s: f64, state: &State) {
         while let Some(&(foretold_s, estimate)) = self.foretold.front().filter(|(foretold_s, _)| *foretold_s <= at_s) {

@@ -151,15 +151,27 @@ impl Present {
         self.settles_slowly = settles_slowly;
     }
 
-    /// From now on commands take this long to the vehicle, s.
+    /// Commands take this long to the vehicle, s, as is known now: those that have been sent took as long.
     pub fn set_command_delay_s(&mut self, delay_s: f64) {
-        self.command_delay_s = delay_s.max(0.0);
+        let delay_s = delay_s.max(0.0);
+        self.commands.delay(delay_s - self.command_delay_s);
+        self.command_delay_s = delay_s;
     }
 
     /// A command that is sent now turns the vehicle after this, s: the link's delay and the dead time of its course
     /// loop.
     pub fn acts_after_s(&self) -> f64 {
         self.command_delay_s + self.dynamics.response.course_dead_time_s
+    }
+
+    /// What was heard so far was flown later by this than was thought, s; earlier, below zero. So it is when the delay
+    /// of a link becomes known.
+    pub fn shift_heard(&mut self, by_s: f64) {
+        if let Some(fix) = &mut self.fix {
+            fix.at_s += by_s;
+        }
+        self.headings.iter_mut().for_each(|(at_s, _)| *at_s += by_s);
+        self.error.shift(by_s);
     }
 
     /// A command has been sent. The same one may be sent again: whichever comes first acts.

@@ -60,6 +60,31 @@ fn a_delay_is_flown_through() {
 }
 
 #[test]
+fn a_delay_that_becomes_known_later_holds_for_what_was_before() {
+    let seen = State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() };
+    let turn = Setpoint { course_rad: 0.5, ..seen.hold() };
+    let present = |is_known_first: bool| {
+        let mut present = Present::new(&Dynamics::default());
+        if is_known_first {
+            present.set_command_delay_s(0.2);
+        }
+        // Flown at 1.0 s and heard 0.2 s later.
+        present.hear(if is_known_first { 1.0 } else { 1.2 }, &seen);
+        present.command(1.2, &turn);
+        if !is_known_first {
+            present.shift_heard(-0.2);
+            present.set_command_delay_s(0.2);
+        }
+        // What is heard next was flown before the time at which the last state was thought to be.
+        present.hear(1.1, &State { x_m: 1.0, ..seen });
+        present.at(1.8).expect("it has been seen")
+    };
+    let (known, learnt) = (present(true), present(false));
+    assert!((known.state.position_m() - learnt.state.position_m()).norm() < 1e-9, "{known:?} {learnt:?}");
+    assert!((known.age_s - 0.7).abs() < 1e-9 && (learnt.age_s - 0.7).abs() < 1e-9);
+}
+
+#[test]
 fn dead_times_are_flown_through() {
     let response =
         Response { course_dead_time_s: 0.17, speed_dead_time_s: 0.3, altitude_dead_time_s: 0.4, ..Response::default() };

@@ -21,12 +21,14 @@ pub fn detects(law: &LawSettings, position_m: Vector2<f64>, heading: Vector2<f64
 }
 
 /// The unit vector along delta: towards the tangent point of the steering obstacle that needs the smaller turn, or the
-/// expected course where no obstacle steers. `heading` is the unit vector along the vehicle's course.
+/// expected course where no obstacle steers. `heading` is the unit vector along the vehicle's course, `from` along that
+/// from which the turn is measured.
 pub fn avoidance_course(
     law: &LawSettings,
     expected: &Expected,
     position_m: Vector2<f64>,
     heading: Vector2<f64>,
+    from: Vector2<f64>,
     obstacles: &[Obstacle],
 ) -> Vector2<f64> {
     let ahead = expected.direction();
@@ -41,7 +43,7 @@ pub fn avoidance_course(
             nearest = Some((clearance_m, obstacle));
         }
     }
-    nearest.map_or(ahead, |(_, obstacle)| tangent(law, position_m, heading, obstacle))
+    nearest.map_or(ahead, |(_, obstacle)| tangent(law, position_m, from, obstacle))
 }
 
 /// Whether the obstacle, inflated by the margin, reaches into the corridor that starts at the vehicle and runs along
@@ -51,9 +53,9 @@ fn blocks(law: &LawSettings, ahead: Vector2<f64>, position_m: Vector2<f64>, obst
     offset.dot(&ahead) > 0.0 && ahead.perp(&offset).abs() < obstacle.radius_m + law.obstacle_margin_m
 }
 
-/// The unit vector along the tangent of the inflated circle that is nearer to the heading. Inside the inflated circle
+/// The unit vector along the tangent of the inflated circle that is nearer to another one. Inside the inflated circle
 /// there is no tangent: the vehicle is sent square to the centre and outwards, the more the deeper it is.
-fn tangent(law: &LawSettings, position_m: Vector2<f64>, heading: Vector2<f64>, obstacle: &Obstacle) -> Vector2<f64> {
+fn tangent(law: &LawSettings, position_m: Vector2<f64>, from: Vector2<f64>, obstacle: &Obstacle) -> Vector2<f64> {
     let offset = obstacle.centre_m() - position_m;
     let distance_m = offset.norm().max(f64::MIN_POSITIVE);
     let to_centre = offset * (1.0 / distance_m);
@@ -61,7 +63,7 @@ fn tangent(law: &LawSettings, position_m: Vector2<f64>, heading: Vector2<f64>, o
     let (sin, cos) = half_angle(distance_m, inflated_m, law.obstacle_margin_m);
     let right = Vector2::new(to_centre.x * cos - to_centre.y * sin, to_centre.y * cos + to_centre.x * sin);
     let left = Vector2::new(to_centre.x * cos + to_centre.y * sin, to_centre.y * cos - to_centre.x * sin);
-    if right.dot(&heading) >= left.dot(&heading) { right } else { left }
+    if right.dot(&from) >= left.dot(&from) { right } else { left }
 }
 
 /// Sine and cosine of the angle at the vehicle between the centre of an inflated circle and its tangent. Inside, beyond

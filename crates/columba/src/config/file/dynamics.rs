@@ -41,6 +41,8 @@ pub struct DynamicsTable {
     pub acceleration_max_mps2: f64,
     /// Turns are Eq. 1 up to this course error, degrees: the controller asks for no more at once.
     pub course_step_max_deg: f64,
+    /// Lateral acceleration in a steady turn, as a share of that of a coordinated turn.
+    pub turn_share: f64,
     /// Step of the integration, s, at which flights are judged too.
     pub integration_step_s: f64,
 }
@@ -66,6 +68,7 @@ impl Default for DynamicsTable {
             course_reference_speed_mps: response.course_reference_speed_mps.unwrap_or(0.0),
             acceleration_max_mps2: 0.0,
             course_step_max_deg: response.course_step_max_rad.to_degrees(),
+            turn_share: response.turn_share,
             integration_step_s: 0.01,
         }
     }
@@ -97,6 +100,7 @@ impl DynamicsTable {
                 course_reference_speed_mps: Some(self.course_reference_speed_mps).filter(|speed_mps| *speed_mps != 0.0),
                 acceleration_max_mps2: or_infinite(self.acceleration_max_mps2),
                 course_step_max_rad: self.course_step_max_deg.to_radians(),
+                turn_share: self.turn_share,
             },
         }
     }
