@@ -95,7 +95,7 @@ def test_a_gap_and_an_oversize_are_refused(craft, uploader):
     # As in ArduPlane, the upload goes on with what was asked for.
     uploader.send_item(0, TEN[0])
     assert craft.wait(["MISSION_REQUEST"], lambda request: request.seq > 0).seq == 1
-    craft.link.mav.mission_count_send(craft.system, 1, 701)
+    craft.link.mav.mission_count_send(craft.system, 1, 1313)
     assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_NO_SPACE
 
 
