@@ -2,8 +2,8 @@
 
     python tests/params.py udpout:127.0.0.1:14600 ground|air [ANSWERS.json]
 
-On the ground the vehicle stands disarmed, fresh from its start; in the air it is in its guided mode. The labels are
-those of `reference/params-arduplane.json`, which a real one gave. `test_params.py` compares.
+On the ground the vehicle stands disarmed, fresh from its start, without a mission; in the air it is in its guided mode.
+The labels are those of `reference/params-arduplane.json`, which a real one gave. `test_params.py` compares.
 """
 
 import json
@@ -169,6 +169,7 @@ def play(link, where):
 class Params(Sweep):
     def play_params(self, where):
         is_plane = self.autopilot == ARDUPILOT
+        self.link.mav.mission_clear_all_send(self.system, 1, 0)
         place, personality = self.place(), "arduplane" if is_plane else "px4"
         for command, times in (GROUND if where == "ground" else AIR)[personality].items():
             for params in times:

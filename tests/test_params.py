@@ -17,6 +17,8 @@ PAGE = " ".join((FOLDER.parent / "docs/mavlink.md").read_text().split())
 KNOWN = {
     "arduplane": {
         "Terrain is as high as home": ["ground int 179 frame 1[01],*"],
+        "PROTOCOL_VERSION, CURRENT_MODE, ALTITUDE, ODOMETRY, PING and WIND_COV are answered.": ["ground long 519 1"],
+        "A calibration of the compass is never under way": ["ground long 42425 0"],
     },
 }
 

@@ -344,7 +344,8 @@ fn the_current_item_is_set_and_auto_goes_on_from_it() {
     assert_eq!(result(&client.ask(&Message::MISSION_CLEAR_ALL(clear))), Some(MAV_MISSION_ERROR), "it is flown");
     assert_eq!((client.vehicle.mode(), on_board(&mut client).len()), (Mode::Auto, 5));
     assert_eq!(result(&client.ask(&count(0))), Some(MAV_MISSION_ACCEPTED));
-    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+    client.fly(5.0);
+    assert_eq!(client.vehicle.mode(), Mode::Auto, "it flies on where it was led");
     client.vehicle.handle_timeout(Duration::from_secs(1));
 }
 

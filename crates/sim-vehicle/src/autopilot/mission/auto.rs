@@ -88,7 +88,7 @@ impl Autopilot {
 
     /// DO_JUMP_TAG as a command: to the JUMP_TAG of that number.
     pub(crate) fn jump_to_tag(&mut self, tag: f32) -> Result<(), CommandError> {
-        if tag >= 65_536.0 {
+        if tag <= -1.0 || tag >= 65_536.0 {
             return Err(CommandError::denied("Mission: a tag has 16 bits"));
         }
         match self.mission.tagged(f64::from(tag.trunc())) {

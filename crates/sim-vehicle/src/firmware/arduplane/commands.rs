@@ -42,7 +42,8 @@ fn check_place(name: &str, command: &Command) -> Result<(), CommandError> {
 fn set_origin(command: &Command) -> Result<(), CommandError> {
     check_place("Origin", command)?;
     let at = command.lat_lon();
-    if !at.is_valid() || at.is_zero() && command.z == 0.0 {
+    let is_above_sea = AltitudeDatum::of_frame(command.frame) == Some(AltitudeDatum::MeanSeaLevel);
+    if !at.is_valid() || at.is_zero() && command.z == 0.0 && is_above_sea {
         return Err(CommandError::denied("Origin: no such place"));
     }
     Err(CommandError::failed("Origin: it is set"))

@@ -43,7 +43,7 @@ const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 39] = [
     (3000, FAILED, Asks::Nothing, "lift motor"),
     (5300, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Denied), "safety switch"),
     (10_001, FAILED, Asks::Nothing, "transponder"),
-    (32_000, ACCEPTED, Asks::OneOf(1, &[0], CommandResult::Failed), "CAN bus"),
+    (32_000, ACCEPTED, Asks::ByteOf(1, &[0], CommandResult::Failed), "CAN bus"),
     (42_006, ACCEPTED, Asks::Nothing, "compass calibration"),
     (42_007, ACCEPTED, Asks::OneOf(1, &[1, 2, 3], CommandResult::Denied), "other source of the EKF"),
     (42_424, ACCEPTED, Asks::Within(&[(1, 0.0, 255.0)], CommandResult::Failed), "compass calibration"),
@@ -60,6 +60,8 @@ enum Asks {
     Nothing,
     /// The whole number of a param is one of these.
     OneOf(usize, &'static [i64], CommandResult),
+    /// So is its lowest byte.
+    ByteOf(usize, &'static [i64], CommandResult),
     /// A param is one of these.
     Exactly(usize, &'static [f32], CommandResult),
     AtMost(usize, f32, CommandResult),
@@ -76,6 +78,9 @@ impl Asks {
             Asks::Nothing => None,
             Asks::OneOf(number, known, result) => {
                 (!known.contains(&integer(param(number)))).then_some((result, number))
+            }
+            Asks::ByteOf(number, known, result) => {
+                (!known.contains(&(integer(param(number)) & 0xFF))).then_some((result, number))
             }
             Asks::Exactly(number, known, result) => (!known.contains(&param(number))).then_some((result, number)),
             Asks::AtMost(number, most, result) => (param(number) > most).then_some((result, number)),
