@@ -58,18 +58,6 @@ KNOWN = {
             "with NAV_SET_YAW_SPEED",
         ],
     },
-    "Items come back as they were uploaded, with all their parameters.": {
-        "mission items": [
-            "and back: a latitude that is none",
-            "and back: a longitude that is none",
-            "and back: param 2 below zero",
-            "and back: param 2 too large",
-            "and back: a jump beyond the end",
-            "and back: a jump to itself",
-            "and back: time on a circle",
-            "and back: a speed",
-        ],
-    },
     "A fence of fewer than three corners and circles stays; ArduPlane 4.7-dev loses it when it replaces a larger one.": {
         "fences": ["and back: a circle to keep in"],
     },

@@ -67,7 +67,7 @@ def test_what_is_uploaded_is_downloaded(craft):
             "Fence refused: unsupported frame, item 0 (5000)",
         ),
         ([(RELATIVE, RETURN, 0, 0, 0, 2**31 - 1, 0, 0)], mavlink.MAV_MISSION_ERROR, "Bad lat or lon"),
-        (square(100) * 64, mavlink.MAV_MISSION_NO_SPACE, "Only 255 items are supported"),
+        (square(100) * 64, mavlink.MAV_MISSION_NO_SPACE, "Only 84 items are supported"),
     ],
 )
 def test_a_bad_fence_is_refused_and_the_old_one_stays(craft, items, code, words):

@@ -161,15 +161,18 @@ fn item(frame: &Frame<'_>, kind: ItemKind) -> PlanMessage {
 
 impl Encoder {
     /// Appends a MISSION_ACK for a type of plan by its number, which the dialect need not know
-    /// (<https://mavlink.io/en/messages/common.html#MISSION_ACK>).
+    /// (<https://mavlink.io/en/messages/common.html#MISSION_ACK>). `plan_id` is that of the plan that was uploaded, or
+    /// 0.
     pub fn encode_mission_ack(
         &mut self,
         mission_type: u8,
         result: MavMissionResult,
+        plan_id: u32,
         target: Target,
         out: &mut Vec<u8>,
     ) {
-        let fields = [target.system_id, target.component_id, result as u8, mission_type];
+        let [a, b, c, d] = plan_id.to_le_bytes();
+        let fields = [target.system_id, target.component_id, result as u8, mission_type, a, b, c, d];
         self.write_fields(MISSION_ACK_DATA::ID, &fields, 3, out);
     }
 

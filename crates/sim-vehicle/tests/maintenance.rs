@@ -7,8 +7,8 @@ use common::{Client, TARGET, long, quiet, set_parameter, texts};
 use mavlink_bridge::dialect::MavCmd::*;
 use mavlink_bridge::dialect::MavResult::*;
 use mavlink_bridge::dialect::{
-    GPS_GLOBAL_ORIGIN_DATA, MavFrame, Message, PositionTargetTypemask, SET_GPS_GLOBAL_ORIGIN_DATA,
-    SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    COMMAND_LONG_DATA, GPS_GLOBAL_ORIGIN_DATA, MavFrame, Message, PositionTargetTypemask, SET_GPS_GLOBAL_ORIGIN_DATA,
+    SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA, TERRAIN_CHECK_DATA,
 };
 use mavlink_bridge::{Encoder, Version};
 use sim_vehicle::{Mode, Personality, VehicleSettings};
@@ -54,6 +54,34 @@ fn calibration_is_for_the_ground_and_ends_a_drift() {
     assert_eq!(client.command_long(MAV_CMD_PREFLIGHT_CALIBRATION, [0.0; 3]), Some(MAV_RESULT_UNSUPPORTED));
     client.command_long(MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]);
     assert_eq!(client.command_long(MAV_CMD_PREFLIGHT_CALIBRATION, [1.0, 0.0, 0.0]), Some(MAV_RESULT_FAILED));
+}
+
+#[test]
+fn parameters_have_their_first_values_again_when_that_is_asked_for() {
+    for (personality, p1, name, reboots) in
+        [(Personality::ArduPlane, 2.0, "WP_LOITER_RAD", true), (Personality::Px4, 4.0, "NAV_LOITER_RAD", false)]
+    {
+        let mut client = on_ground(personality);
+        let first = client.vehicle.set_parameters().count();
+        client.ask(&set_parameter(name, 75.0));
+        assert_eq!(client.vehicle.set_parameters().count(), first + 1);
+        assert_eq!(client.command_long(MAV_CMD_PREFLIGHT_STORAGE, [p1, 0.0, 0.0]), Some(MAV_RESULT_ACCEPTED));
+        assert_eq!(client.vehicle.set_parameters().count(), first + usize::from(reboots), "{personality}");
+        client.command_long(MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, [1.0, 0.0, 0.0]);
+        assert_eq!(client.vehicle.set_parameters().count(), first, "{personality}");
+    }
+}
+
+#[test]
+fn the_poses_of_a_calibration_are_asked_for_one_after_the_other() {
+    let mut client = on_ground(Personality::ArduPlane);
+    let accelerometer = Message::COMMAND_LONG(COMMAND_LONG_DATA {
+        command: MAV_CMD_PREFLIGHT_CALIBRATION,
+        param5: 1.0,
+        target_system: TARGET,
+        ..COMMAND_LONG_DATA::DEFAULT
+    });
+    assert_eq!(texts(&client.ask(&accelerometer)), ["Place vehicle level and press any key."]);
 }
 
 #[test]
@@ -237,4 +265,45 @@ fn what_stands_against_arming_is_said_unasked_every_half_minute() {
     client.fly(75.0);
     let said: Vec<String> = texts(&client.collect()).into_iter().filter(|text| text.starts_with("PreArm")).collect();
     assert_eq!(said, ["PreArm: GPS 1: Bad fix"; 3]);
+}
+
+#[test]
+fn terrain_is_told_of_a_place_by_an_arduplane() {
+    let check = Message::TERRAIN_CHECK(TERRAIN_CHECK_DATA { lat: 473_000_000, lon: 85_000_000 });
+    let mut client = on_ground(Personality::ArduPlane);
+    let told = client.ask(&check);
+    assert!(
+        told.iter().any(|message| matches!(message, Message::TERRAIN_REPORT(report)
+            if (report.lat, report.lon) == (473_000_000, 85_000_000))),
+        "{told:?}"
+    );
+    let told = on_ground(Personality::Px4).ask(&check);
+    assert!(!told.iter().any(|message| matches!(message, Message::TERRAIN_REPORT(_))), "{told:?}");
+}
+
+#[test]
+fn a_calibration_in_poses_leaves_no_room_for_another_of_the_accelerometer() {
+    let mut client = on_ground(Personality::ArduPlane);
+    let mut calibrate = |param5: f32| {
+        client.ask(&Message::COMMAND_LONG(COMMAND_LONG_DATA {
+            param5,
+            command: MAV_CMD_PREFLIGHT_CALIBRATION,
+            target_system: TARGET,
+            ..COMMAND_LONG_DATA::DEFAULT
+        }))
+    };
+    for (kind, expected) in [
+        (4.0, MAV_RESULT_ACCEPTED),
+        (1.0, MAV_RESULT_ACCEPTED),
+        (2.0, MAV_RESULT_TEMPORARILY_REJECTED),
+        (4.0, MAV_RESULT_TEMPORARILY_REJECTED),
+        (76.0, MAV_RESULT_ACCEPTED),
+    ] {
+        let told = calibrate(kind);
+        let result = told.iter().find_map(|message| match message {
+            Message::COMMAND_ACK(ack) => Some(ack.result),
+            _ => None,
+        });
+        assert_eq!(result, Some(expected), "{kind}: {told:?}");
+    }
 }

@@ -184,15 +184,18 @@ fn the_commands_that_are_told_are_those_that_are_obeyed() {
     let mut client = flying();
     let mut obeyed = BTreeMap::new();
     for number in 0..=u16::MAX {
-        for param1 in [0.0, 1.0] {
+        // STORAGE_FORMAT wants both.
+        for (param1, param2) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)] {
             let as_long = Message::COMMAND_LONG(COMMAND_LONG_DATA {
                 param1,
+                param2,
                 target_system: TARGET,
                 confirmation: 1,
                 ..COMMAND_LONG_DATA::DEFAULT
             });
             let as_int = Message::COMMAND_INT(COMMAND_INT_DATA {
                 param1,
+                param2,
                 target_system: TARGET,
                 autocontinue: 1,
                 ..COMMAND_INT_DATA::DEFAULT

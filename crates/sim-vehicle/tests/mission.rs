@@ -126,6 +126,42 @@ fn what_is_uploaded_is_downloaded_and_home_is_home() {
     assert_eq!(on_board(&mut client), []);
 }
 
+fn clear(client: &mut Client) -> Option<MavMissionResult> {
+    let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
+    result(&client.ask(&Message::MISSION_CLEAR_ALL(clear)))
+}
+
+#[test]
+fn a_single_item_on_an_empty_board_comes_behind_home() {
+    let one = [waypoint(500.0, 0.0, 80.0)];
+    let mut client = Client::new(quiet());
+    assert_eq!(upload(&mut client, &one), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(on_board(&mut client).len(), 1, "it takes the place of home, which stays");
+    assert_eq!(clear(&mut client), Some(MAV_MISSION_ACCEPTED));
+    assert_eq!(upload(&mut client, &one), Some(MAV_MISSION_ACCEPTED));
+    let read = on_board(&mut client);
+    assert_eq!((read.len(), read[1].x), (2, one[0].latitude_e7));
+    client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]);
+    client.fly(1.0);
+    assert_eq!(client.vehicle.mode(), Mode::Auto);
+}
+
+#[test]
+fn a_mission_that_is_cleared_ends_auto_and_one_that_is_replaced_by_nothing_does_not() {
+    let mut client = Client::new(quiet());
+    upload(&mut client, &square());
+    client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]);
+    assert_eq!(clear(&mut client), Some(MAV_MISSION_ERROR), "it is flown");
+    assert_eq!(result(&client.ask(&count(0))), Some(MAV_MISSION_ACCEPTED));
+    client.fly(5.0);
+    assert_eq!(client.vehicle.mode(), Mode::Auto, "it flies on where it was led");
+    let mut client = Client::new(VehicleSettings { on_ground: true, ..quiet() });
+    upload(&mut client, &square());
+    client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]);
+    assert_eq!(clear(&mut client), Some(MAV_MISSION_ACCEPTED), "it is disarmed");
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+}
+
 #[test]
 fn a_part_is_replaced_and_the_rest_stays() {
     let mut client = Client::new(quiet());
@@ -170,7 +206,7 @@ fn what_is_wrong_is_refused_by_its_code_and_nothing_is_half_applied() {
         assert_eq!(result(&send_item(&mut client, 2, &good)), Some(MAV_MISSION_ERROR), "it is over");
         assert_eq!(on_board(&mut client), before);
     }
-    assert_eq!(result(&client.ask(&count(701))), Some(MAV_MISSION_NO_SPACE));
+    assert_eq!(result(&client.ask(&count(1313))), Some(MAV_MISSION_NO_SPACE));
     client.ask(&count(3));
     assert_eq!(result(&send_item(&mut client, 2, &good)), Some(MAV_MISSION_INVALID_SEQUENCE));
     assert_eq!(on_board(&mut client), before);
@@ -308,7 +344,8 @@ fn the_current_item_is_set_and_auto_goes_on_from_it() {
     assert_eq!(result(&client.ask(&Message::MISSION_CLEAR_ALL(clear))), Some(MAV_MISSION_ERROR), "it is flown");
     assert_eq!((client.vehicle.mode(), on_board(&mut client).len()), (Mode::Auto, 5));
     assert_eq!(result(&client.ask(&count(0))), Some(MAV_MISSION_ACCEPTED));
-    assert_eq!(client.vehicle.mode(), Mode::Rtl);
+    client.fly(5.0);
+    assert_eq!(client.vehicle.mode(), Mode::Auto, "it flies on where it was led");
     client.vehicle.handle_timeout(Duration::from_secs(1));
 }
 

@@ -150,7 +150,7 @@ fn a_fence_that_makes_no_sense_is_refused_in_the_end_and_the_old_one_stays() {
     assert_eq!(upload(&mut client, RALLY, &[waypoint]), MAV_MISSION_UNSUPPORTED);
     let answer = client.ask(&count(FENCE, 256));
     assert_eq!(result(&answer), Some((FENCE, MAV_MISSION_NO_SPACE)));
-    assert_eq!(texts(&answer), ["Only 255 items are supported"]);
+    assert_eq!(texts(&answer), ["Only 84 items are supported"]);
     assert_eq!(on_board(&mut client, FENCE).len(), 4);
     // A part that breaks the whole.
     let partial = MISSION_WRITE_PARTIAL_LIST_DATA {

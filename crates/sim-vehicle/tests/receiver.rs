@@ -212,10 +212,12 @@ fn a_reboot_is_counted_and_puts_a_vehicle_that_began_on_the_ground_back() {
 fn a_message_that_is_asked_for_follows_its_acknowledgement() {
     let mut client = Client::new(quiet());
     client.ask(&mavlink_bridge::telemetry::ground_heartbeat());
-    for (command, id) in [(MAV_CMD_REQUEST_MESSAGE, 30), (MAV_CMD_GET_HOME_POSITION, 242)] {
-        let heard = client.ask(&common::long(TARGET, command, [id as f32, 0.0, 0.0]));
+    for (command, follow) in
+        [(MAV_CMD_REQUEST_MESSAGE, [30_u32].as_slice()), (MAV_CMD_GET_HOME_POSITION, [242, 49].as_slice())]
+    {
+        let heard = client.ask(&common::long(TARGET, command, [follow[0] as f32, 0.0, 0.0]));
         let ids: Vec<u32> = heard.iter().map(Message::message_id).collect();
-        assert_eq!(ids, [77, id]);
+        assert_eq!(ids, [[77].as_slice(), follow].concat());
     }
 }
 
@@ -233,9 +235,13 @@ fn auto_without_a_mission_is_not_armed() {
     })
     .unwrap();
     client.command_long(MAV_CMD_DO_SET_MODE, [1.0, 10.0, 0.0]);
-    let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
-    client.ask(&Message::MISSION_CLEAR_ALL(clear));
+    // As ArduPilot's own tests clear it. Cleared by MISSION_CLEAR_ALL it does not stay in AUTO.
+    let nothing = MISSION_COUNT_DATA { target_system: TARGET, ..MISSION_COUNT_DATA::DEFAULT };
+    client.ask(&Message::MISSION_COUNT(nothing));
     assert_eq!(client.vehicle.mode(), Mode::Auto);
     let heard = client.ask(&common::long(TARGET, MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0]));
     assert_eq!(texts(&heard), ["Arm: Mode requires mission"]);
+    let clear = MISSION_CLEAR_ALL_DATA { target_system: TARGET, ..MISSION_CLEAR_ALL_DATA::DEFAULT };
+    client.ask(&Message::MISSION_CLEAR_ALL(clear));
+    assert_eq!(client.vehicle.mode(), Mode::Rtl);
 }

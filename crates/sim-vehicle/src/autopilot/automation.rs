@@ -36,13 +36,29 @@ impl Autopilot {
         false
     }
 
-    /// Take-off is over when it circles at its altitude.
+    /// Take-off is over when it circles at its altitude, round the place that came with it.
     pub(super) fn hold_after_take_off(&mut self) {
-        if self.mode() == Mode::Takeoff && self.flight.is_flying() && !self.flight.is_taking_off() {
-            let altitude_m = self.flight.target_altitude_m();
-            self.set_mode(Mode::Loiter);
-            self.flight.set_altitude(altitude_m, f64::INFINITY);
+        if self.mode() != Mode::Takeoff || !self.flight.is_flying() || self.flight.is_taking_off() {
+            return;
         }
+        let altitude_m = self.flight.target_altitude_m();
+        let radius_m = self.flight.tuning().loiter_radius_m;
+        let place = self.session.habits.takeoff_place();
+        if let Some(place) = place {
+            if self.flight.circled().is_none_or(|(at, _)| at != place) {
+                self.flight.reposition(place, radius_m);
+            }
+            let margin_m = f64::from(self.parameters.get(Parameter::WaypointRadius));
+            if self.flight.distance_m(place) >= radius_m.abs() + margin_m {
+                return;
+            }
+        }
+        self.session.habits.set_takeoff_place(None);
+        self.set_mode(Mode::Loiter);
+        if let Some(place) = place {
+            self.flight.reposition(place, radius_m);
+        }
+        self.flight.set_altitude(altitude_m, f64::INFINITY);
     }
 
     /// COM_DISARM_PRFLT after it was armed it has not yet flown; below 0: never.

@@ -3,6 +3,7 @@
 use crate::autopilot::Autopilot;
 use crate::autopilot::input::{ALTITUDE_MAX_M, angle_rad, check_finite, integer};
 use crate::error::{CommandError, Severity};
+use crate::firmware::rules::CommandSet;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use mavlink_bridge::AltitudeDatum;
@@ -36,7 +37,20 @@ impl Autopilot {
         if first_and_last != [0.0, 0.0] {
             return Err(CommandError::denied("Mission: first and last item must be 0"));
         }
-        self.enter(Mode::Auto)
+        self.try_to_enter(Mode::Auto)
+    }
+
+    /// Sets a mode for a command by which an ArduPlane is not told whether it did so: one that cannot be set is said,
+    /// and the command accepted all the same.
+    pub(crate) fn try_to_enter(&mut self, mode: Mode) -> Result<(), CommandError> {
+        let outcome = self.enter(mode);
+        if self.rules.commands != CommandSet::ArduPlane {
+            return outcome;
+        }
+        if let Err(CommandError { severity, reason: Some(reason), .. }) = outcome {
+            self.say(severity, &reason);
+        }
+        Ok(())
     }
 
     /// Param 1: the item. Param 2: 1 to begin counting jumps anew.
@@ -127,17 +141,15 @@ impl Autopilot {
         Ok(())
     }
 
-    /// Param 1: altitude in m. Param 2: the frame that says above what. While a GUIDED_CHANGE_ALTITUDE is flown it is
-    /// accepted and has no effect, as in ArduPlane.
+    /// Param 1: altitude in m. Param 2: the frame that says above what. While a GUIDED_CHANGE_ALTITUDE is flown, and in
+    /// the modes of the sticks, it is accepted and has no effect, as in ArduPlane.
     pub(crate) fn change_altitude(&mut self, [altitude_m, frame]: [f32; 2]) -> Result<(), CommandError> {
         check_finite("Altitude", &[altitude_m, frame])?;
         let number = u8::try_from(integer(frame)).ok().filter(|number| AltitudeDatum::of_frame(*number).is_some());
         let frame = number.ok_or_else(|| CommandError::denied(format!("Altitude: frame {frame} is not accepted")))?;
         let altitude_m = self.altitude_m("Altitude", altitude_m, frame)?;
-        if self.mode().is_manual() {
-            return Err(CommandError::denied(format!("Altitude: mode is {}", self.mode())));
-        }
-        if !self.flight.is_altitude_slewed() {
+        // The modes of the sticks fly to no altitude that they are told.
+        if !self.flight.is_altitude_slewed() && !self.mode().is_manual() {
             self.flight.set_altitude(altitude_m, f64::INFINITY);
             self.restart_setpoint_timeout();
         }
@@ -182,6 +194,11 @@ impl Autopilot {
             }
             _ => CommandError::failed("Speed: only air and ground speed can be set"),
         };
-        if throttle > 0.0 && throttle <= 100.0 { Ok(()) } else { Err(refused) }
+        if throttle > 0.0 && throttle <= 100.0 {
+            self.say(Severity::Info, &format!("Set throttle {throttle:.0}"));
+            Ok(())
+        } else {
+            Err(refused)
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What a PX4 remembers for what it does with its modes by itself.
 
 use crate::mode::Mode;
+use nalgebra::Vector2;
 
 /// What it remembers for that.
 #[derive(Clone, Copy, Debug, Default)]
@@ -8,6 +9,8 @@ pub(crate) struct Habits {
     was_armed: bool,
     /// The altitude of a take-off that it was told of before it was armed, m above the origin.
     takeoff_altitude_m: Option<f64>,
+    /// Where it circles after a take-off, (north, east) in m; none: where it is then.
+    takeoff_place: Option<Vector2<f64>>,
     /// The mode that it is in again when a landing has disarmed it: the last one that can be armed in.
     mode_to_restore: Option<Mode>,
 }
@@ -29,6 +32,15 @@ impl Habits {
 
     pub fn set_takeoff_altitude_m(&mut self, altitude_m: Option<f64>) {
         self.takeoff_altitude_m = altitude_m;
+    }
+
+    /// Where it circles after a take-off, (north, east) in m.
+    pub fn takeoff_place(&self) -> Option<Vector2<f64>> {
+        self.takeoff_place
+    }
+
+    pub fn set_takeoff_place(&mut self, place: Option<Vector2<f64>>) {
+        self.takeoff_place = place;
     }
 
     pub fn restore_later(&mut self, mode: Mode) {

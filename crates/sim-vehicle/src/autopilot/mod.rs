@@ -19,6 +19,7 @@ pub(crate) mod home;
 pub(crate) mod input;
 pub(crate) mod manual_control;
 pub(crate) mod mission;
+pub(crate) mod outputs;
 pub(crate) mod pilot;
 pub(crate) mod plan;
 pub(crate) mod rally;
@@ -441,7 +442,9 @@ impl Autopilot {
                 let is_feasible = !self.rules.judges_plans_as_px4 || self.judge_mission(&items, false);
                 self.mission.replace(items, is_feasible);
                 self.session.progress.mission_changed(&self.mission, anew, self.rules.resumes_after_upload);
-                if self.mode() == Mode::Auto && self.flight.is_armed() && !self.mission.is_flyable() {
+                // An ArduPlane whose mission is replaced by nothing flies on where it was led.
+                let ends = !self.mission.is_flyable() && !self.mission.is_without_home();
+                if self.mode() == Mode::Auto && self.flight.is_armed() && ends {
                     self.end_mission("Mission cleared");
                 }
             }
@@ -453,6 +456,14 @@ impl Autopilot {
             PlanKind::Rally => self.rally.replace(&items),
         }
         Ok(())
+    }
+
+    /// A mission has been cleared, which was not flown: an ArduPlane does not stay in AUTO.
+    pub fn have_cleared_mission(&mut self) {
+        if self.rules.returns_without_mission && self.mode() == Mode::Auto {
+            self.set_mode(self.rules.mode_after_mission);
+            self.say(Severity::Info, "Aircraft in auto without a running mission");
+        }
     }
 
     /// Whether a PX4 flies a mission; says why not, and what it thinks of one that it flies unless that is known.

@@ -6,6 +6,7 @@ use super::fence::monitor::FenceMonitor;
 use super::habits::Habits;
 use super::manual_control::Channels;
 use super::mission::progress::Progress;
+use super::outputs::Outputs;
 use super::switches::Switches;
 use super::timer::Timers;
 use super::transmitter::RudderStick;
@@ -21,8 +22,11 @@ pub(crate) struct Session {
     pub switches: Switches,
     pub rudder: RudderStick,
     pub habits: Habits,
+    pub outputs: Outputs,
     /// What is being calibrated.
     pub calibration: Option<Calibration>,
+    /// Of an ArduPlane, the pose in which the accelerometer is to be held next to be calibrated, from 0.
+    pub accelerometer_pose: Option<usize>,
     /// What stood against arming when that was last looked at.
     pub arming_reason: Option<String>,
     /// Whether somebody has set home: then arming leaves it.

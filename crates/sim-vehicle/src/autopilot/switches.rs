@@ -140,6 +140,7 @@ impl Autopilot {
                 Some(mode) if is_high => self.enter_or_say(mode),
                 Some(mode) if mode == self.mode() => self.reset_mode_switch(),
                 Some(_) => {}
+                None if WITHOUT_EFFECT.contains(&function) => {}
                 None => return false,
             },
         }
@@ -180,6 +181,14 @@ impl Autopilot {
         }
     }
 }
+
+/// Functions that an ArduPlane knows and that change nothing here: devices, tests, and modes that are not simulated.
+const WITHOUT_EFFECT: [u16; 82] = [
+    9, 15, 19, 22, 27, 28, 29, 30, 31, 34, 35, 36, 38, 39, 40, 43, 46, 52, 58, 62, 64, 65, 66, 67, 78, 79, 80, 82, 84,
+    85, 86, 87, 88, 89, 90, 91, 95, 98, 100, 101, 102, 103, 104, 105, 106, 107, 108, 110, 111, 112, 113, 154, 155, 156,
+    157, 158, 160, 162, 163, 164, 165, 170, 171, 172, 173, 176, 177, 179, 180, 181, 183, 184, 208, 209, 210, 212, 213,
+    214, 215, 216, 217, 218,
+];
 
 const LOW: usize = 0;
 const MIDDLE: usize = 1;

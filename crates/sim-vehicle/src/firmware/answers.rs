@@ -16,7 +16,7 @@ use mavlink_bridge::{CommandPosition, PlanItem};
 /// What the autopilot makes of a command, if it is not ArduPlane's answer.
 pub(crate) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Result<(), CommandError>> {
     match autopilot.rules().commands {
-        CommandSet::ArduPlane => arduplane::commands::execute(command),
+        CommandSet::ArduPlane => arduplane::commands::execute(command, autopilot.flight.is_armed()),
         CommandSet::Px4 => px4::commands::execute(autopilot, command),
         CommandSet::Generic => generic::commands::execute(autopilot, command),
     }
@@ -24,9 +24,9 @@ pub(crate) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Re
 
 /// The answer to a command for a device that is not there; none if it is not for one, or the autopilot knows no such
 /// command.
-pub(crate) fn for_device(rules: &Rules, command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
-    match rules.commands {
-        CommandSet::ArduPlane => arduplane::devices::answer(command, params),
+pub(crate) fn for_device(autopilot: &Autopilot, command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
+    match autopilot.rules().commands {
+        CommandSet::ArduPlane => arduplane::devices::answer(command, params, autopilot.flight.is_armed()),
         CommandSet::Px4 => px4::preflight::answer_by_number(command),
         CommandSet::Generic => None,
     }
@@ -59,6 +59,33 @@ pub(crate) fn check_reboot(rules: &Rules, is_armed: bool, command: &Command) -> 
         return Err(CommandError::new(CommandResult::Unsupported, "Reboot: param 1 must be 1 or 3"));
     }
     Ok(true)
+}
+
+/// What becomes of the values of all parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Storage {
+    /// They are kept, as always.
+    Kept,
+    /// They are the first ones again.
+    Reset,
+    /// They are the first ones again when the vehicle starts anew.
+    ResetByReboot,
+}
+
+/// PREFLIGHT_STORAGE. Param 1 of an ArduPlane: 2 for the first values, after a reboot. Of a PX4, disarmed: 0 load, 1
+/// save, 2 and 4 for the first values, 3 for those of sensors' calibrations, of which there are none.
+pub(crate) fn storage(rules: &Rules, is_armed: bool, command: &Command) -> Result<Storage, CommandError> {
+    let p1 = command.params[0];
+    if rules.commands != CommandSet::Px4 {
+        let refused = CommandError::denied("Storage: param 1 must be 2");
+        return if p1 == 2.0 { Ok(Storage::ResetByReboot) } else { Err(refused) };
+    }
+    match integer(p1) {
+        _ if is_armed => Err(CommandError::rejected("Storage: it is armed")),
+        0 | 1 | 3 => Ok(Storage::Kept),
+        2 | 4 => Ok(Storage::Reset),
+        _ => Err(CommandError::new(CommandResult::Unsupported, "Storage: param 1 must be 0 to 4")),
+    }
 }
 
 /// The number that reboots an armed ArduPlane, in param 6 or y.
@@ -96,6 +123,15 @@ pub(crate) fn take_attitude(autopilot: &mut Autopilot, data: &SET_ATTITUDE_TARGE
         TargetSet::ArduPlane => arduplane::targets::take_attitude(autopilot, data, false),
         TargetSet::Px4 => px4::offboard::take_attitude(autopilot, data),
         TargetSet::Generic => arduplane::targets::take_attitude(autopilot, data, true),
+    }
+}
+
+/// A checked item of a plan as it is flown and told.
+pub(crate) fn kept_plan_item(rules: &Rules, kind: PlanKind, item: &PlanItem) -> PlanItem {
+    if rules.keeps_items_in_bytes && kind == PlanKind::Mission {
+        arduplane::mission_items::as_kept(item)
+    } else {
+        *item
     }
 }
 

@@ -104,6 +104,8 @@ pub(crate) struct Rules {
     pub judges_plans_as_px4: bool,
     /// Whether plans are transferred by a PX4's rules: one transfer at a time, item after item.
     pub transfers_plans_as_px4: bool,
+    /// Most items of a mission, home among them; of a fence; most rally points.
+    pub plan_items_max: [u16; 3],
     /// The index of the first item that is flown: ArduPlane's item 0 is home.
     pub first_mission_item: u16,
     /// Whether a mission that takes the place of one under way goes on at the same item.
@@ -114,8 +116,9 @@ pub(crate) struct Rules {
     pub return_item_stays_current: bool,
     /// Whether a param of an item that is no number is one left out.
     pub nan_params_are_left_out: bool,
-    /// Whether NAV_LOITER_TURNS is kept in two bytes, with fewer digits than it came with.
-    pub stores_turns_in_bytes: bool,
+    /// Whether items are kept in a few bytes each, with fewer digits than they came with and without what has no room,
+    /// and a loiter of no more than 1 m is one of WP_LOITER_RAD.
+    pub keeps_items_in_bytes: bool,
     /// Whether a waypoint without a radius of its own is over where it is passed abeam, however far away.
     pub passes_waypoints: bool,
     /// Whether an acknowledgement of the writer breaks off an upload.

@@ -279,8 +279,15 @@ impl Links {
         self.write(index, |encoder, frame| encoder.encode_command_ack(command, result, target, frame));
     }
 
-    pub fn acknowledge_plan(&mut self, index: usize, mission_type: u8, result: MavMissionResult, target: Target) {
-        self.write(index, |encoder, frame| encoder.encode_mission_ack(mission_type, result, target, frame));
+    pub fn acknowledge_plan(
+        &mut self,
+        index: usize,
+        mission_type: u8,
+        result: MavMissionResult,
+        plan_id: u32,
+        target: Target,
+    ) {
+        self.write(index, |encoder, frame| encoder.encode_mission_ack(mission_type, result, plan_id, target, frame));
     }
 
     /// Whether a peer can be sent a message: MAVLink 1 has ids up to 255.

@@ -28,7 +28,7 @@ pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
     shape_limits(&mut settings);
     let mut parameters = Parameters::new(&settings);
     let known = parameters.adopt(&settings.parameter_files);
-    let refused = in_any_order(known, |parameter, value| parameters.set(parameter, value));
+    let refused = in_any_order(known, |parameter, entry| parameters.set(parameter, entry.value as f32));
     let mut faults: Vec<ParameterFault> = refused
         .into_iter()
         .map(|(entry, reason)| ParameterFault {

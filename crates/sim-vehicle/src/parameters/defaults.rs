@@ -16,6 +16,22 @@ impl Parameters {
         known.filter(|(parameter, _)| is_taken(parameter)).collect()
     }
 
+    /// The parameters that have other values than at the start, with their first values.
+    pub fn first_values(&self) -> Vec<(Parameter, f32)> {
+        let first = self.list.iter().map(|parameter| (*parameter, self.first.values[*parameter as usize]));
+        first
+            .filter(|(parameter, value)| self.get(*parameter) != *value)
+            .filter(|(parameter, _)| !parameter.is_counted() && *parameter != Parameter::Speedup)
+            .collect()
+    }
+
+    /// Gives the inert ones their first values, after all others have theirs: none of them is worth keeping any more.
+    pub fn reset_inert(&mut self) {
+        self.inert = self.first.inert.clone();
+        self.is_set = self.first.is_set;
+        self.is_default = self.first.is_set;
+    }
+
     /// Takes a value that was set by name before the start.
     pub fn set_inert(&mut self, index: usize, value: f64) -> Result<(), ParameterError> {
         self.inert.set(index, value)
@@ -53,17 +69,17 @@ const BANK_MAX_DEG: f64 = 89.0;
 
 /// Sets parameters, the ranges of some of which depend on others, in whatever order they are given. What is not taken
 /// in the end is given back, with the reason.
-pub(crate) fn in_any_order(
-    mut left: Vec<(Parameter, &ParameterEntry)>,
-    mut set: impl FnMut(Parameter, f32) -> Result<(), ParameterError>,
-) -> Vec<(&ParameterEntry, ParameterError)> {
+pub(crate) fn in_any_order<T: Copy>(
+    mut left: Vec<(Parameter, T)>,
+    mut set: impl FnMut(Parameter, T) -> Result<(), ParameterError>,
+) -> Vec<(T, ParameterError)> {
     loop {
         let before = left.len();
         let mut refused = Vec::new();
-        left.retain(|(parameter, entry)| match set(*parameter, entry.value as f32) {
+        left.retain(|(parameter, value)| match set(*parameter, *value) {
             Ok(()) => false,
             Err(reason) => {
-                refused.push((*entry, reason));
+                refused.push((*value, reason));
                 true
             }
         });

@@ -39,9 +39,18 @@ pub(crate) struct Parameters {
     is_default: [bool; Parameter::COUNT],
     /// Behind those of the list.
     inert: Inert,
+    first: First,
     model: ModelBounds,
     /// Of the settings, where they have one.
     cruise_speed_mps: Option<f64>,
+}
+
+/// What parameters were at the start, before what clients have set.
+#[derive(Clone, Debug)]
+struct First {
+    values: [f32; Parameter::COUNT],
+    is_set: [bool; Parameter::COUNT],
+    inert: Inert,
 }
 
 impl Parameters {
@@ -84,6 +93,7 @@ impl Parameters {
             is_set: [false; Parameter::COUNT],
             is_default: [false; Parameter::COUNT],
             inert: Inert::default(),
+            first: First { values, is_set: [false; Parameter::COUNT], inert: Inert::default() },
             model,
             cruise_speed_mps: settings.cruise_speed_mps,
         }
@@ -219,6 +229,7 @@ impl Parameters {
     pub fn make_defaults(&mut self) {
         self.is_default = self.is_set;
         self.inert.make_defaults();
+        self.first = First { values: self.values, is_set: self.is_set, inert: self.inert.clone() };
     }
 
     /// What has been set and is worth keeping, by name.

@@ -12,7 +12,7 @@ pub(crate) mod parameter;
 use crate::autopilot::manual_control::CHANNELS;
 use crate::autopilot::pilot::ManualControl;
 use crate::error::{CommandError, CommandResult, Severity};
-use crate::firmware::answers;
+use crate::firmware::answers::{self, Storage};
 use crate::firmware::rules::CommandSet;
 use crate::lockstep::Lockstep;
 use crate::telemetry::announce::Component;
@@ -81,18 +81,35 @@ impl Services {
         if command.command == MavCmd::MAV_CMD_USER_1 {
             return reset::ask(component, command.params);
         }
+        if command.command == MavCmd::MAV_CMD_PREFLIGHT_STORAGE {
+            return self.store(component, command);
+        }
         if command.command != MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN {
             return command::execute(component, command, link);
         }
         let autopilot = &component.autopilot;
         if answers::check_reboot(autopilot.rules(), autopilot.flight.is_armed(), command)? {
-            self.parameters.forget_listings();
+            self.parameters.start_anew(component);
             self.missions.forget_uploads();
             component.autopilot.reboot();
             let time = component.autopilot.time();
             component.links().restart(time);
             (0..component.peers().len()).for_each(|link| component.announce(link));
             preflight::send_banner(&mut component.autopilot);
+        }
+        Ok(())
+    }
+
+    /// PREFLIGHT_STORAGE.
+    fn store(&mut self, component: &mut Component, command: &Command) -> Result<(), CommandError> {
+        let autopilot = &mut component.autopilot;
+        match answers::storage(autopilot.rules(), autopilot.flight.is_armed(), command)? {
+            Storage::Kept => {}
+            Storage::Reset => self.parameters.reset(component),
+            Storage::ResetByReboot => {
+                autopilot.say(Severity::Warning, "All parameters reset, reboot board");
+                self.parameters.reset_by_reboot();
+            }
         }
         Ok(())
     }
@@ -132,6 +149,12 @@ fn serve_message(component: &mut Component, link: usize, sender: Target, message
         }
         Message::FILE_TRANSFER_PROTOCOL(data) => ftp::refuse(component, link, sender, data),
         Message::LOG_REQUEST_LIST(_) => data_streams::answer_log_request(component, link),
+        // The real one that it is compared with, without terrain, gives a height of 0.
+        Message::TERRAIN_CHECK(data) if autopilot.rules().commands == CommandSet::ArduPlane => {
+            component.with_instruments(|links, instruments| {
+                links.send(link, &instruments.terrain_report_at(data.lat, data.lon));
+            });
+        }
         // All vehicles share the scenario's origin: who would set another is told that. An ArduPlane passes it over.
         Message::SET_GPS_GLOBAL_ORIGIN(_) if autopilot.rules().tells_origin => {
             component.send_stream(link, Stream::GpsGlobalOrigin);

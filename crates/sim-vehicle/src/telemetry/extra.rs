@@ -85,7 +85,8 @@ impl Instruments<'_> {
             Stream::Airspeed => self.airspeed(),
             Stream::RelayStatus => Message::RELAY_STATUS(RELAY_STATUS_DATA {
                 time_boot_ms: boot_ms(self.time),
-                ..RELAY_STATUS_DATA::DEFAULT
+                on: u16::from(self.autopilot.session.outputs.relay()),
+                present: 1,
             }),
             _ => return None,
         })
@@ -137,6 +138,18 @@ impl Instruments<'_> {
 
     fn servo_output_raw(&self) -> Message {
         let [servo1_raw, servo2_raw, servo3_raw, servo4_raw] = self.outputs_us();
+        let [
+            servo5_raw,
+            servo6_raw,
+            servo7_raw,
+            servo8_raw,
+            servo9_raw,
+            servo10_raw,
+            servo11_raw,
+            servo12_raw,
+            rest @ ..,
+        ] = self.autopilot.session.outputs.servos_us();
+        let [servo13_raw, servo14_raw, servo15_raw, servo16_raw] = rest;
         Message::SERVO_OUTPUT_RAW(SERVO_OUTPUT_RAW_DATA {
             // A field of 32 bits.
             time_usec: self.micros() as u32,
@@ -144,7 +157,19 @@ impl Instruments<'_> {
             servo2_raw,
             servo3_raw,
             servo4_raw,
-            ..SERVO_OUTPUT_RAW_DATA::DEFAULT
+            servo5_raw,
+            servo6_raw,
+            servo7_raw,
+            servo8_raw,
+            servo9_raw,
+            servo10_raw,
+            servo11_raw,
+            servo12_raw,
+            servo13_raw,
+            servo14_raw,
+            servo15_raw,
+            servo16_raw,
+            port: 0,
         })
     }
 
@@ -320,9 +345,13 @@ impl Instruments<'_> {
         })
     }
 
-    /// The ground is level with home, and nothing is loaded.
     fn terrain_report(&self) -> Message {
         let (lat, lon) = e7(&self.place());
+        self.terrain_report_at(lat, lon)
+    }
+
+    /// TERRAIN_REPORT of a place (1e-7 deg): the ground is level with home, and nothing is loaded.
+    pub(crate) fn terrain_report_at(&self, lat: i32, lon: i32) -> Message {
         let home_m = self.flight.home().altitude_m;
         Message::TERRAIN_REPORT(TERRAIN_REPORT_DATA {
             lat,

@@ -370,7 +370,7 @@ impl Instruments<'_> {
 
 /// PX4's checksum of a plan, by which clients know whether theirs is on board (`crc32_for_mission_item`): CRC-32 over
 /// its items without the inversions at both ends; 0 of none.
-fn checksum(items: &[PlanItem]) -> u32 {
+pub(crate) fn checksum(items: &[PlanItem]) -> u32 {
     let mut crc = crc32fast::Hasher::new_with_initial(!0);
     for item in items {
         crc.update(&[item.frame]);

@@ -6,9 +6,6 @@ use flight_model::{Geodetic, LocalFrame};
 use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::MavCmd;
 
-/// Most items of a fence: a polygon of as many corners as one can have. ArduPilot's larger boards keep 84.
-pub(crate) const ITEMS_MAX: u16 = 255;
-
 pub(super) const RETURN_POINT: u16 = MavCmd::MAV_CMD_NAV_FENCE_RETURN_POINT as u32 as u16;
 pub(super) const POLYGON_INCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION as u32 as u16;
 const POLYGON_EXCLUSION: u16 = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION as u32 as u16;

@@ -42,6 +42,11 @@ impl Circle {
         self.radius_m
     }
 
+    /// Its radius, m, below zero anticlockwise.
+    pub fn signed_radius_m(&self) -> f64 {
+        self.turn * self.radius_m
+    }
+
     /// Its centre, (north, east) in m.
     pub fn centre(&self) -> Vector2<f64> {
         self.centre

@@ -112,6 +112,14 @@ impl Flight {
         self.circle(place, radius_m);
     }
 
+    /// The place that it circles, (north, east) in m, and the radius, m, below zero anticlockwise.
+    pub fn circled(&self) -> Option<(Vector2<f64>, f64)> {
+        match &self.direction {
+            Direction::Circle(circle) => Some((circle.centre(), circle.signed_radius_m())),
+            _ => None,
+        }
+    }
+
     /// Gives up the course setpoint and circles where GUIDED was entered.
     pub fn release_course(&mut self) {
         self.circle(self.guided_point, self.tuning.loiter_radius_m);

@@ -88,7 +88,7 @@ impl Autopilot {
 
     /// DO_JUMP_TAG as a command: to the JUMP_TAG of that number.
     pub(crate) fn jump_to_tag(&mut self, tag: f32) -> Result<(), CommandError> {
-        if tag >= 65_536.0 {
+        if tag <= -1.0 || tag >= 65_536.0 {
             return Err(CommandError::denied("Mission: a tag has 16 bits"));
         }
         match self.mission.tagged(f64::from(tag.trunc())) {
@@ -106,7 +106,8 @@ impl Autopilot {
         if self.mode() == Mode::Rtl {
             self.look_for_landing();
         }
-        if self.mode() != Mode::Auto || !self.flight.is_armed() {
+        // Whose mission was replaced by nothing flies on where it was led.
+        if self.mode() != Mode::Auto || !self.flight.is_armed() || self.mission.is_without_home() {
             return;
         }
         let mut jumps = 0;
@@ -241,7 +242,14 @@ impl Autopilot {
             self.session.progress.leg = Leg::TakeOffFirst(altitude_m);
             return;
         }
-        let or_usual = |radius_m: f64| if radius_m == 0.0 { self.flight.tuning().loiter_radius_m } else { radius_m };
+        let usual_m = self.flight.tuning().loiter_radius_m;
+        // An ArduPlane takes its usual radius in the place of one of no more than a metre (`Plane::update_loiter`).
+        let or_usual = |radius_m: f64| match radius_m {
+            radius_m if self.rules.keeps_items_in_bytes && (-1.0..0.0).contains(&radius_m) => -usual_m.abs(),
+            radius_m if self.rules.keeps_items_in_bytes && (0.0..=1.0).contains(&radius_m) => usual_m,
+            0.0 => usual_m,
+            radius_m => radius_m,
+        };
         self.session.progress.leg = match item.command {
             WAYPOINT => {
                 let from = self.session.progress.from().unwrap_or_else(|| self.flight.here());

@@ -1,7 +1,7 @@
 //! Items of a mission that need no flying: jumps, and commands on the way.
 
 use super::conditions::Waiting;
-use super::items::{CHANGE_SPEED, FENCE_ENABLE, JUMP, SET_HOME};
+use super::items::{CHANGE_SPEED, FENCE_ENABLE, JUMP, RELAY, SERVO, SET_HOME};
 use super::names;
 use crate::autopilot::Autopilot;
 use crate::autopilot::home::Home;
@@ -66,6 +66,14 @@ impl Autopilot {
                 // A fence that is not there is not enabled; the mission goes on.
                 let [action, kinds, ..] = item.params;
                 let _ = self.enable_fence([action, kinds]);
+            }
+            SERVO if self.rules.keeps_items_in_bytes => {
+                let [servo, pulse_us, ..] = item.params;
+                let _ = self.set_servo([servo, pulse_us]);
+            }
+            RELAY if self.rules.keeps_items_in_bytes => {
+                let [relay, state, ..] = item.params;
+                let _ = self.set_relay([relay, state]);
             }
             _ => {}
         }

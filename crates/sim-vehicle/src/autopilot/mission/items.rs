@@ -7,9 +7,6 @@ use mavlink_bridge::PlanItem;
 use mavlink_bridge::dialect::MavCmd;
 use std::ops::Range;
 
-/// Most items, home among them.
-pub(crate) const ITEMS_MAX: u16 = 700;
-
 pub(crate) const WAYPOINT: u16 = MavCmd::MAV_CMD_NAV_WAYPOINT as u32 as u16;
 pub(super) const LOITER_UNLIM: u16 = MavCmd::MAV_CMD_NAV_LOITER_UNLIM as u32 as u16;
 pub(crate) const LOITER_TURNS: u16 = MavCmd::MAV_CMD_NAV_LOITER_TURNS as u32 as u16;
@@ -20,6 +17,8 @@ pub(super) const TAKEOFF: u16 = MavCmd::MAV_CMD_NAV_TAKEOFF as u32 as u16;
 pub(super) const CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_NAV_CONTINUE_AND_CHANGE_ALT as u32 as u16;
 pub(super) const LOITER_TO_ALTITUDE: u16 = MavCmd::MAV_CMD_NAV_LOITER_TO_ALT as u32 as u16;
 pub(super) const JUMP: u16 = MavCmd::MAV_CMD_DO_JUMP as u32 as u16;
+pub(super) const RELAY: u16 = MavCmd::MAV_CMD_DO_SET_RELAY as u32 as u16;
+pub(super) const SERVO: u16 = MavCmd::MAV_CMD_DO_SET_SERVO as u32 as u16;
 pub(super) const CHANGE_SPEED: u16 = MavCmd::MAV_CMD_DO_CHANGE_SPEED as u32 as u16;
 pub(super) const SET_HOME: u16 = MavCmd::MAV_CMD_DO_SET_HOME as u32 as u16;
 pub(crate) const RETURN_PATH_START: u16 = MavCmd::MAV_CMD_DO_RETURN_PATH_START as u32 as u16;
@@ -41,7 +40,7 @@ const WITHOUT_EFFECT: [u16; 39] = [
 const WITHOUT_EFFECT_BUT_TO_ARDUPLANE: [u16; 12] = [80, 187, 196, 198, 200, 204, 214, 260, 530, 1001, 2003, 4501];
 
 /// Whether an item has a place, as ArduPilot stores it.
-pub(super) fn has_place(command: u16) -> bool {
+pub(crate) fn has_place(command: u16) -> bool {
     const REGIONS: [u16; 3] = [92, 195, 201];
     matches!(
         command,

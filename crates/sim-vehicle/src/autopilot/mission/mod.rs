@@ -53,6 +53,11 @@ impl Mission {
         u16::try_from(self.items.len()).unwrap_or(u16::MAX)
     }
 
+    /// Whether item 0 is home and not even that is on board.
+    pub fn is_without_home(&self) -> bool {
+        self.first > 0 && self.items.is_empty()
+    }
+
     /// Whether there is something to fly.
     pub fn is_flyable(&self) -> bool {
         self.len() > self.first && self.is_feasible

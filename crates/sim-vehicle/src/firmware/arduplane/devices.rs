@@ -1,5 +1,5 @@
-//! What an ArduPlane answers to commands for devices that it does not have: relays, servos of its own choice, cameras,
-//! gimbals, grippers and their kin. Recorded of a real one without them (`tests/reference/arduplane.json`).
+//! What an ArduPlane answers to commands for devices that it does not have: cameras, gimbals, grippers and their kin.
+//! Recorded of a real one without them (`tests/reference/arduplane.json`).
 //!
 //! By number, as ArduPilot's own dialect has commands that the common one does not name.
 
@@ -11,16 +11,10 @@ const DENIED: Option<CommandResult> = Some(CommandResult::Denied);
 const FAILED: Option<CommandResult> = Some(CommandResult::Failed);
 
 /// A command, its result, which params that result asks for, and what the command is for.
-const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 45] = [
-    (181, ACCEPTED, Asks::Nothing, "relay"),
-    (182, ACCEPTED, Asks::Nothing, "relay"),
-    (183, FAILED, Asks::Nothing, "servo"),
-    (184, FAILED, Asks::Nothing, "servo"),
+const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 39] = [
     (185, FAILED, Asks::Nothing, "advanced failsafe"),
-    (195, ACCEPTED, Asks::Nothing, "region of interest"),
     (197, ACCEPTED, Asks::Nothing, "region of interest"),
     (198, ACCEPTED, Asks::Nothing, "region of interest"),
-    (201, ACCEPTED, Asks::Nothing, "region of interest"),
     (202, ACCEPTED, Asks::Nothing, "camera"),
     (203, ACCEPTED, Asks::Nothing, "camera"),
     (204, FAILED, Asks::Nothing, "mount"),
@@ -33,27 +27,28 @@ const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 45] = [
     (216, FAILED, Asks::Nothing, "sprayer"),
     (218, FAILED, Asks::AtMost(2, 2.0, CommandResult::Denied), "auxiliary function"),
     (223, FAILED, Asks::Nothing, "combustion engine"),
-    (245, DENIED, Asks::Nothing, "parameter storage of another kind"),
     (500, ACCEPTED, Asks::Nothing, "receiver"),
-    (532, DENIED, Asks::Nothing, "camera"),
+    (526, FAILED, Asks::Within(&[(1, 1.0, 1.0), (2, 1.0, 1.0)], CommandResult::Unsupported), "memory card"),
+    // By rate, in percent, or by itself; not in steps or metres.
+    (532, FAILED, Asks::OneOf(1, &[1, 2, 4, 5, 6], CommandResult::Denied), "camera"),
     (534, DENIED, Asks::Nothing, "camera"),
     (1000, FAILED, Asks::Nothing, "gimbal"),
     (1001, FAILED, Asks::Nothing, "gimbal"),
     (2000, FAILED, Asks::AtLeast(1, 0.0, CommandResult::Unsupported), "camera"),
-    (2001, ACCEPTED, Asks::Only(1, 0.0, CommandResult::Unsupported), "camera"),
+    (2001, ACCEPTED, Asks::Exactly(1, &[0.0], CommandResult::Unsupported), "camera"),
     (2500, FAILED, Asks::Nothing, "camera"),
     (2501, FAILED, Asks::Nothing, "camera"),
     (2520, ACCEPTED, Asks::Nothing, "landing gear"),
-    (2600, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Failed), "high latency link"),
+    (2600, ACCEPTED, Asks::Exactly(1, &[0.0, 1.0], CommandResult::Failed), "high latency link"),
     (3000, FAILED, Asks::Nothing, "lift motor"),
     (5300, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Denied), "safety switch"),
     (10_001, FAILED, Asks::Nothing, "transponder"),
-    (32_000, ACCEPTED, Asks::Nothing, "CAN bus"),
+    (32_000, ACCEPTED, Asks::ByteOf(1, &[0], CommandResult::Failed), "CAN bus"),
     (42_006, ACCEPTED, Asks::Nothing, "compass calibration"),
     (42_007, ACCEPTED, Asks::OneOf(1, &[1, 2, 3], CommandResult::Denied), "other source of the EKF"),
-    (42_425, ACCEPTED, Asks::Nothing, "compass calibration"),
-    (42_426, ACCEPTED, Asks::Nothing, "compass calibration"),
-    (42_429, FAILED, Asks::Nothing, "accelerometer calibration"),
+    (42_424, ACCEPTED, Asks::Within(&[(1, 0.0, 255.0)], CommandResult::Failed), "compass calibration"),
+    (42_425, ACCEPTED, Asks::Within(&[(1, 0.0, 255.0)], CommandResult::Failed), "compass calibration"),
+    (42_426, ACCEPTED, Asks::Within(&[(1, 0.0, 255.0)], CommandResult::Failed), "compass calibration"),
     (42_700, DENIED, Asks::Nothing, "debugger"),
     (43_004, ACCEPTED, Asks::Within(&[(1, 0.0, f32::INFINITY), (3, 0.0, 360.0)], CommandResult::Denied), "wind"),
     (43_005, ACCEPTED, Asks::Nothing, "rangefinder"),
@@ -65,7 +60,10 @@ enum Asks {
     Nothing,
     /// The whole number of a param is one of these.
     OneOf(usize, &'static [i64], CommandResult),
-    Only(usize, f32, CommandResult),
+    /// So is its lowest byte.
+    ByteOf(usize, &'static [i64], CommandResult),
+    /// A param is one of these.
+    Exactly(usize, &'static [f32], CommandResult),
     AtMost(usize, f32, CommandResult),
     AtLeast(usize, f32, CommandResult),
     /// Each param is not below the first bound and not above the second.
@@ -81,7 +79,10 @@ impl Asks {
             Asks::OneOf(number, known, result) => {
                 (!known.contains(&integer(param(number)))).then_some((result, number))
             }
-            Asks::Only(number, only, result) => (param(number) != only).then_some((result, number)),
+            Asks::ByteOf(number, known, result) => {
+                (!known.contains(&(integer(param(number)) & 0xFF))).then_some((result, number))
+            }
+            Asks::Exactly(number, known, result) => (!known.contains(&param(number))).then_some((result, number)),
             Asks::AtMost(number, most, result) => (param(number) > most).then_some((result, number)),
             Asks::AtLeast(number, least, result) => (param(number) < least).then_some((result, number)),
             Asks::Within(bounds, result) => {
@@ -93,8 +94,14 @@ impl Asks {
     }
 }
 
+/// The calibration of a compass, which is not begun while it is armed.
+const START_COMPASS_CALIBRATION: u16 = 42_424;
+
 /// The answer to a command for a device that is not there; none if the command is not for one.
-pub(crate) fn answer(command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
+pub(crate) fn answer(command: u16, params: [f32; 4], is_armed: bool) -> Option<Result<(), CommandError>> {
+    if command == START_COMPASS_CALIBRATION && is_armed {
+        return Some(Err(CommandError::failed("Disarm to allow compass calibration")));
+    }
     let &(_, result, asks, device) = ANSWERS.iter().find(|(number, ..)| *number == command)?;
     if let Some((result, number)) = asks.refusal(params) {
         return Some(Err(CommandError::new(result, format!("There is no {device}, and param {number} is wrong"))));
@@ -113,9 +120,9 @@ mod tests {
     fn each_command_is_there_once_and_its_reason_fits_a_statustext() {
         assert!(ANSWERS.windows(2).all(|pair| pair[0].0 < pair[1].0));
         for (command, result, ..) in ANSWERS {
-            // 42007 has no source of number 0.
-            let params = if command == 42_007 { [1.0, 0.0, 0.0, 0.0] } else { [0.0; 4] };
-            match answer(command, params) {
+            // 42007 has no source of number 0, and 532 no focus.
+            let params = if matches!(command, 526 | 532 | 42_007) { [1.0, 1.0, 0.0, 0.0] } else { [0.0; 4] };
+            match answer(command, params, false) {
                 Some(Ok(())) => assert_eq!(result, ACCEPTED),
                 Some(Err(refusal)) => {
                     assert_eq!(Some(refusal.result), result);
@@ -124,13 +131,19 @@ mod tests {
                 None => panic!("{command}"),
             }
         }
-        assert_eq!(answer(400, [1.0; 4]), None);
+        assert_eq!(answer(400, [1.0; 4], false), None);
     }
 
     #[test]
     fn params_are_read_where_an_arduplane_reads_them() {
         for (command, params, result) in [
             (208, [2.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (532, [3.0, 0.0, 0.0, 0.0], CommandResult::Denied),
+            (532, [4.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (2600, [0.5, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (32_000, [1.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (42_424, [256.0, 0.0, 0.0, 0.0], CommandResult::Failed),
+            (42_426, [-1.0, 0.0, 0.0, 0.0], CommandResult::Failed),
             (218, [41.0, 3.0, 0.0, 0.0], CommandResult::Denied),
             (2001, [1.0, 0.0, 0.0, 0.0], CommandResult::Unsupported),
             (2600, [2.0, 0.0, 0.0, 0.0], CommandResult::Failed),
@@ -139,7 +152,7 @@ mod tests {
             (43_004, [1.0, 0.0, 361.0, 0.0], CommandResult::Denied),
         ] {
             assert_eq!(
-                answer(command, params).and_then(Result::err).map(|refusal| refusal.result),
+                answer(command, params, false).and_then(Result::err).map(|refusal| refusal.result),
                 Some(result),
                 "{command}"
             );

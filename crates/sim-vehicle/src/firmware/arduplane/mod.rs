@@ -4,6 +4,7 @@ pub(super) mod commands;
 pub(super) mod devices;
 mod kinds;
 pub(super) mod messages;
+pub(super) mod mission_items;
 mod renamed;
 pub(super) mod targets;
 
@@ -52,12 +53,14 @@ pub(super) const RULES: Rules = Rules {
 
     judges_plans_as_px4: false,
     transfers_plans_as_px4: false,
+    // What its simulator has room for.
+    plan_items_max: [1312, 84, 50],
     first_mission_item: 1,
     resumes_after_upload: true,
     takes_off_before_mission: false,
     return_item_stays_current: true,
     nan_params_are_left_out: false,
-    stores_turns_in_bytes: true,
+    keeps_items_in_bytes: true,
     passes_waypoints: true,
     upload_can_be_broken_off: false,
     asks_by_old_message: true,

@@ -37,7 +37,7 @@ pub(super) const RULES: Rules = Rules {
     takes_off_before_mission: true,
     return_item_stays_current: false,
     nan_params_are_left_out: true,
-    stores_turns_in_bytes: false,
+    keeps_items_in_bytes: false,
     passes_waypoints: false,
     upload_can_be_broken_off: true,
     asks_by_old_message: false,

@@ -21,6 +21,7 @@ use crate::parameters::table::Parameter;
 use crate::protocol::command::request::Command;
 use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag};
 use mavlink_bridge::{CommandPosition, LatLonE7};
+use nalgebra::Vector2;
 
 /// Param 2 of COMPONENT_ARM_DISARM: by force, to disarm in the air.
 const FORCE: f32 = 21196.0;
@@ -39,7 +40,7 @@ pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command)
         MavCmd::MAV_CMD_DO_SET_MODE => commanded_mode([p1, p2, p3]).and_then(|mode| change_mode(autopilot, mode)),
         MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => go_home(autopilot, Mode::Rtl, "Returning to launch"),
         MavCmd::MAV_CMD_NAV_LAND => go_home(autopilot, Mode::Land, "Landing at current position"),
-        MavCmd::MAV_CMD_NAV_TAKEOFF => take_off(autopilot, command.z),
+        MavCmd::MAV_CMD_NAV_TAKEOFF => take_off(autopilot, command),
         MavCmd::MAV_CMD_MISSION_START => start_mission(autopilot, p1),
         MavCmd::MAV_CMD_DO_REPOSITION => reposition(autopilot, command),
         MavCmd::MAV_CMD_DO_ORBIT => orbit(autopilot, command),
@@ -135,14 +136,19 @@ pub(in crate::firmware) fn change_mode(autopilot: &mut Autopilot, mode: Mode) ->
     Ok(())
 }
 
-/// z: m above sea level; not a number: MIS_TAKEOFF_ALT above home.
-fn take_off(autopilot: &mut Autopilot, z: f32) -> Result<(), CommandError> {
+/// x, y: a place to circle afterwards, 0 or none for where it is then. z: m above sea level; not a number:
+/// MIS_TAKEOFF_ALT above home.
+fn take_off(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
+    let z = command.z;
     let altitude_m = altitude_m(autopilot, z)?;
+    let place = place("Takeoff", command)?.filter(|at| at.latitude_e7 != 0 && at.longitude_e7 != 0);
+    let place = place.map(|at| autopilot.reference().locate(at));
     // Set already, it takes the new altitude.
     if autopilot.mode() != Mode::Takeoff {
         change_mode(autopilot, Mode::Takeoff)?;
     }
     autopilot.session.habits.set_takeoff_altitude_m(None);
+    autopilot.session.habits.set_takeoff_place(place);
     let here_m = autopilot.flight.state().altitude_m;
     if z.is_nan() {
         let usual_m = autopilot.parameters.get(Parameter::TakeoffAltitude);
@@ -187,7 +193,7 @@ fn start_landing(autopilot: &mut Autopilot) -> Result<(), CommandError> {
 /// DO_SET_HOME. Param 1: 1 for where it is; else a place above sea level in any frame, all of it given.
 fn set_home(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
     let position = place("Home", command)?;
-    if command.params[0] > 0.5 || position.is_some_and(|position| position == LatLonE7::default()) {
+    if command.params[0] > 0.5 {
         autopilot.set_home_here();
         autopilot.session.home_is_set = true;
         return Ok(());
@@ -214,23 +220,25 @@ fn reposition(autopilot: &mut Autopilot, command: &Command) -> Result<(), Comman
         return Err(CommandError::denied(format!("Reposition: mode is {}", autopilot.mode_name())));
     }
     let place = place("Reposition", command)?;
-    if speed_mps.is_infinite() {
-        check_finite("Reposition", &[speed_mps])?;
-    }
     let altitude_m = altitude_m(autopilot, command.z)?;
+    // Without a place it goes on round the one that it circles.
+    let circled = autopilot.flight.circled().filter(|_| autopilot.mode() == Mode::Loiter && place.is_none());
     if place.is_some() || autopilot.mode() != Mode::Course {
         autopilot.set_mode(Mode::Loiter);
-        let state = autopilot.flight.state();
-        let at = place.map_or(state.position_m(), |place| autopilot.reference().locate(place));
-        let radius_m = if radius_m.is_finite() && radius_m != 0.0 {
-            f64::from(radius_m)
-        } else {
-            autopilot.flight.tuning().loiter_radius_m
-        };
+    }
+    let at = place.map_or(autopilot.flight.state().position_m(), |place| autopilot.reference().locate(place));
+    if is_outside_fence(autopilot, at, altitude_m) {
+        autopilot.say(Severity::Critical, "Reposition is outside geofence");
+        return Ok(());
+    }
+    if autopilot.mode() == Mode::Loiter {
+        let usual_m = autopilot.flight.tuning().loiter_radius_m;
+        let wanted_m = if radius_m.is_finite() && radius_m != 0.0 { f64::from(radius_m) } else { usual_m };
+        let (at, radius_m) = circled.unwrap_or((at, wanted_m));
         autopilot.flight.reposition(at, radius_m);
     }
     autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
-    if speed_mps > 0.0 {
+    if speed_mps > 0.0 && speed_mps.is_finite() {
         set_speed(autopilot, speed_mps);
     }
     Ok(())
@@ -240,15 +248,17 @@ fn reposition(autopilot: &mut Autopilot, command: &Command) -> Result<(), Comman
 /// it is. z: m above sea level, whatever the frame.
 fn orbit(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
     let radius_m = match command.params[0] {
-        radius_m if radius_m.is_infinite() => return Err(CommandError::denied("Orbit: radius is not finite")),
-        radius_m if radius_m.is_nan() || radius_m == 0.0 => autopilot.flight.tuning().loiter_radius_m,
+        radius_m if !radius_m.is_finite() || radius_m == 0.0 => autopilot.flight.tuning().loiter_radius_m,
         radius_m => f64::from(radius_m),
     };
     let place = place("Orbit", command)?;
     let altitude_m = altitude_m(autopilot, command.z)?;
     change_mode(autopilot, Mode::Loiter)?;
-    let state = autopilot.flight.state();
-    let at = place.map_or(state.position_m(), |place| autopilot.reference().locate(place));
+    let at = place.map_or(autopilot.flight.state().position_m(), |place| autopilot.reference().locate(place));
+    if is_outside_fence(autopilot, at, altitude_m) {
+        autopilot.say(Severity::Critical, "Orbit is outside geofence");
+        return Ok(());
+    }
     autopilot.flight.reposition(at, radius_m);
     autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
     Ok(())
@@ -260,13 +270,16 @@ fn change_altitude(autopilot: &mut Autopilot, z: f32) -> Result<(), CommandError
         return Err(CommandError::rejected(format!("Altitude: mode is {}", autopilot.mode_name())));
     }
     let altitude_m = altitude_m(autopilot, z)?;
+    if is_outside_fence(autopilot, autopilot.flight.state().position_m(), altitude_m) {
+        autopilot.say(Severity::Critical, "Altitude change is outside geofence");
+        return Ok(());
+    }
     autopilot.flight.set_altitude(altitude_m, f64::INFINITY);
     Ok(())
 }
 
-/// Param 2: m/s; not above 0: FW_AIRSPD_TRIM. Accepted in any mode, and without effect in Offboard.
+/// Param 2: m/s; not above 0, or no number: FW_AIRSPD_TRIM. Accepted in any mode, and without effect in Offboard.
 fn change_speed(autopilot: &mut Autopilot, speed_mps: f32) -> Result<(), CommandError> {
-    check_finite("Speed", &[speed_mps])?;
     if autopilot.mode() != Mode::Offboard {
         let trim_mps = autopilot.parameters.get(Parameter::AirspeedCruise);
         set_speed(autopilot, if speed_mps > 0.0 { speed_mps } else { trim_mps });
@@ -287,6 +300,10 @@ fn change_heading(autopilot: &mut Autopilot, kind: f32, course_deg: f32) -> Resu
     Ok(())
 }
 
+fn is_outside_fence(autopilot: &Autopilot, at: Vector2<f64>, altitude_m: f64) -> bool {
+    autopilot.session.fence.is_outside(&autopilot.situation(), at, altitude_m)
+}
+
 /// Cut to FW_AIRSPD_MIN and FW_AIRSPD_MAX.
 fn set_speed(autopilot: &mut Autopilot, speed_mps: f32) {
     let (least, most) =
@@ -294,9 +311,9 @@ fn set_speed(autopilot: &mut Autopilot, speed_mps: f32) {
     autopilot.flight.set_speed(f64::from(speed_mps.clamp(least, most)), f64::INFINITY);
 }
 
-/// An altitude above sea level as one above the origin, m; the present one for what is no number.
+/// An altitude above sea level as one above the origin, m; the present one for what is not finite.
 fn altitude_m(autopilot: &Autopilot, z: f32) -> Result<f64, CommandError> {
-    if z.is_nan() {
+    if !z.is_finite() {
         return Ok(autopilot.flight.state().altitude_m);
     }
     autopilot.altitude_m("Altitude", z, MavFrame::MAV_FRAME_GLOBAL as u8)

@@ -58,12 +58,14 @@ pub(super) const RULES: Rules = Rules {
 
     judges_plans_as_px4: true,
     transfers_plans_as_px4: true,
+    // CONFIG_NUM_MISSION_ITMES_SUPPORTED of its simulator, DM_KEY_FENCE_POINTS_MAX and DM_KEY_SAFE_POINTS_MAX.
+    plan_items_max: [10_000, 64, 32],
     first_mission_item: 0,
     resumes_after_upload: false,
     takes_off_before_mission: true,
     return_item_stays_current: false,
     nan_params_are_left_out: true,
-    stores_turns_in_bytes: false,
+    keeps_items_in_bytes: false,
     asks_by_old_message: false,
     tells_next_flown_item: false,
     tells_mission_as_px4: true,

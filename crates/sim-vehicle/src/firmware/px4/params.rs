@@ -88,8 +88,24 @@ fn row(command: u16) -> Option<&'static (u16, u32, u32)> {
     USED.iter().find(|(number, ..)| *number == command)
 }
 
+/// Whether a COMMAND_LONG says as a COMMAND_INT does that there is no place, or the other way round.
+fn is_of_the_other_message(position: CommandPosition) -> bool {
+    /// NaN, its upper bytes as an integer.
+    const NAN: i32 = 0x7FF8_0000;
+    match position {
+        CommandPosition::Long(params) => {
+            let most = i32::MAX as f32;
+            params.iter().all(|param| (most.next_down()..=most.next_up()).contains(param))
+        }
+        CommandPosition::Int(at) => at == LatLonE7 { latitude_e7: NAN, longitude_e7: NAN },
+    }
+}
+
 /// A param that the command does not use is DENIED.
 pub(super) fn check_command(command: &Command) -> Result<(), CommandError> {
+    if is_of_the_other_message(command.position) {
+        return Err(CommandError::denied("Command: params 5 and 6 are the other message's"));
+    }
     let used = row(command.command as u32 as u16).map(|(_, _, used)| *used);
     let [p1, p2, p3, p4] = command.params.map(|param| !is_left_out(param));
     let [p5, p6] = match command.position {

@@ -33,13 +33,17 @@ pub(super) fn execute(autopilot: &mut Autopilot, command: &Command) -> Result<()
     match command.command {
         MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => calibrate(autopilot, command),
         MavCmd::MAV_CMD_FIXED_MAG_CAL_YAW => begin_calibration(autopilot, "mag"),
-        MavCmd::MAV_CMD_PREFLIGHT_STORAGE => store(autopilot, p1),
         MavCmd::MAV_CMD_INJECT_FAILURE => inject_failure(autopilot, [p1, p2, command.params[2]]),
         MavCmd::MAV_CMD_DO_SET_SAFETY_SWITCH_STATE => match integer(p1) {
             _ if autopilot.flight.is_armed() => Err(rejected("Safety switch: it is armed")),
             0 | 1 => Ok(()),
             _ => Err(CommandError::failed("Safety switch: param 1 must be 0 or 1")),
         },
+        MavCmd::MAV_CMD_ACTUATOR_TEST => test_actuator(autopilot, command),
+        // There are no logs: they cannot be sent now, or are not sent any more.
+        MavCmd::MAV_CMD_LOGGING_START if p1.round() == 0.0 => Err(rejected("There are no logs")),
+        MavCmd::MAV_CMD_LOGGING_START => Err(unsupported("Logging: param 1 must be 0")),
+        MavCmd::MAV_CMD_LOGGING_STOP => Ok(()),
         MavCmd::MAV_CMD_DO_FLIGHTTERMINATION => Err(CommandError::denied("There is no flight termination")),
         MavCmd::MAV_CMD_DO_AUTOTUNE_ENABLE => Err(CommandError::denied("There is no autotune")),
         MavCmd::MAV_CMD_CONTROL_HIGH_LATENCY => {
@@ -66,10 +70,7 @@ pub(super) fn execute(autopilot: &mut Autopilot, command: &Command) -> Result<()
 /// ended.
 fn calibrate(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
     let [p1, p2, p3, p4] = command.params.map(integer);
-    let [p5, p6] = match command.position {
-        CommandPosition::Long(params) => params.map(integer),
-        CommandPosition::Int(at) => [i64::from(at.latitude_e7), i64::from(at.longitude_e7)],
-    };
+    let [p5, p6] = command.whole_p5_p6();
     let p7 = integer(command.z);
     if autopilot.flight.is_armed() {
         return Err(rejected("Calibration: it is armed"));
@@ -114,15 +115,19 @@ fn fail_calibration(autopilot: &mut Autopilot, name: &str, why: &str) -> Result<
     Ok(())
 }
 
-/// PREFLIGHT_STORAGE. Param 1: 0 load, 1 save: parameters are always kept. 2 to 4: they have their first values again.
-fn store(autopilot: &mut Autopilot, p1: f32) -> Result<(), CommandError> {
+/// ACTUATOR_TEST. Param 5: the motor, 1 to 12, or servo, 33 to 40, or a function of PX4's own from 1000 on. Nothing
+/// turns.
+fn test_actuator(autopilot: &Autopilot, command: &Command) -> Result<(), CommandError> {
     if autopilot.flight.is_armed() {
-        return Err(rejected("Storage: it is armed"));
+        return Err(CommandError::denied("Actuator test: it is armed"));
     }
-    match integer(p1) {
-        0 | 1 => Ok(()),
-        2..=4 => Err(unsupported("Storage: start anew for the first values")),
-        _ => Err(unsupported("Storage: param 1 must be 0 to 4")),
+    let [function, _] = match command.position {
+        CommandPosition::Long(params) => params.map(|param| param.round() as i64),
+        CommandPosition::Int(_) => command.whole_p5_p6(),
+    };
+    match function {
+        1..=12 | 33..=40 | 1000.. => Ok(()),
+        _ => Err(unsupported("Actuator test: param 5 is no motor and no servo")),
     }
 }
 

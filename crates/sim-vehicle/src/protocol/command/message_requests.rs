@@ -68,7 +68,8 @@ fn arduplane_rate(component: &Component, [id, interval_us, p3, _]: [f32; 4]) -> 
         ..0 => return Err(CommandError::denied("Interval: below -1")),
         us => {
             let shortest = component.settings.step.div_f64(RATE_PER_STEP_MAX);
-            let interval = Duration::from_micros(u64::try_from(us).unwrap_or(1)).min(INTERVAL_MAX);
+            // It is kept in whole milliseconds, at least one.
+            let interval = Duration::from_millis(u64::try_from(us / 1000).unwrap_or(1).max(1)).min(INTERVAL_MAX);
             if interval < shortest {
                 let rate_hz = 1.0 / interval.as_secs_f64();
                 return Err(CommandError::denied(format!("Requested rate {rate_hz:.0} Hz is too fast")));

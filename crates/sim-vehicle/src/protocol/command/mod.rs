@@ -21,6 +21,7 @@ use crate::autopilot::Autopilot;
 use crate::autopilot::input::{check_finite, integer};
 use crate::error::CommandError;
 use crate::firmware::answers;
+use crate::firmware::rules::CommandSet;
 use crate::mode::Mode;
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
@@ -34,15 +35,16 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
         return outcome;
     }
     let autopilot = &mut component.autopilot;
+    let is_arduplane = autopilot.rules().commands == CommandSet::ArduPlane;
     let [p1, p2, p3, _] = command.params;
     match command.command {
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => autopilot.arm_or_disarm([p1, p2]),
         MavCmd::MAV_CMD_RUN_PREARM_CHECKS => autopilot.run_prearm_checks(),
-        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => preflight::calibrate(autopilot, [p1, p3]),
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => preflight::calibrate(autopilot, command),
         MavCmd::MAV_CMD_DO_SET_HOME => set_home::set_home(autopilot, command),
         MavCmd::MAV_CMD_DO_SET_MODE => change_mode(autopilot, p1, p2),
-        MavCmd::MAV_CMD_NAV_LOITER_UNLIM => autopilot.enter(Mode::Loiter),
-        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => autopilot.enter(Mode::Rtl),
+        MavCmd::MAV_CMD_NAV_LOITER_UNLIM => autopilot.try_to_enter(Mode::Loiter),
+        MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => autopilot.try_to_enter(Mode::Rtl),
         MavCmd::MAV_CMD_MISSION_START => autopilot.start_mission([p1, p2]),
         MavCmd::MAV_CMD_DO_LAND_START => autopilot.start_landing(),
         MavCmd::MAV_CMD_DO_RETURN_PATH_START => autopilot.start_return_path(),
@@ -59,6 +61,9 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
             Ok(())
         }
         MavCmd::MAV_CMD_DO_FENCE_ENABLE => autopilot.enable_fence([p1, p2]),
+        MavCmd::MAV_CMD_DO_SET_SERVO | MavCmd::MAV_CMD_DO_REPEAT_SERVO if is_arduplane => autopilot.set_servo([p1, p2]),
+        MavCmd::MAV_CMD_DO_SET_RELAY if is_arduplane => autopilot.set_relay([p1, p2]),
+        MavCmd::MAV_CMD_DO_REPEAT_RELAY if is_arduplane => autopilot.check_relay(p1),
         // ArduPlane takes it for quadplanes alone.
         MavCmd::MAV_CMD_NAV_TAKEOFF => Err(CommandError::failed("Takeoff: set mode TAKEOFF, or AUTO with NAV_TAKEOFF")),
         MavCmd::MAV_CMD_DO_REPOSITION => reposition::reposition(autopilot, command),
@@ -79,37 +84,29 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
             message_requests::answer_old_request(component, p1, Stream::ProtocolVersion, link)
         }
         MavCmd::MAV_CMD_GET_HOME_POSITION => {
-            component.asked_for.push((link, Stream::HomePosition));
+            component.asked_for.extend([(link, Stream::HomePosition), (link, Stream::GpsGlobalOrigin)]);
             Ok(())
         }
         _ => Err(CommandError::unsupported()),
     }
 }
 
-/// Obeys a command with a value that the common dialect does not know: either the command itself, or, in a command
-/// that is known here, its frame.
+/// Obeys a command that the common dialect does not know.
 pub(crate) fn execute_by_number(autopilot: &mut Autopilot, raw: &mavlink_bridge::Command) -> Result<(), CommandError> {
-    const GUIDED_CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE as u32 as u16;
-    const DO_REPOSITION: u16 = MavCmd::MAV_CMD_DO_REPOSITION as u32 as u16;
     const DO_SEND_BANNER: u16 = 42_428;
     const BATTERY_RESET: u16 = 42_651;
     const DO_AUX_FUNCTION: u16 = 218;
+    const ACCELCAL_VEHICLE_POS: u16 = 42_429;
     let [p1, p2, ..] = raw.params;
     match raw.number {
-        GUIDED_CHANGE_ALTITUDE => {
-            autopilot.check_guided_command("Altitude")?;
-            Err(CommandError::denied("Altitude: unknown frame"))
-        }
-        DO_REPOSITION => Err(CommandError::denied("Reposition: unknown frame")),
         DO_SEND_BANNER if autopilot.rules().has_ardupilot_commands => {
             preflight::send_banner(autopilot);
             Ok(())
         }
         BATTERY_RESET if autopilot.rules().has_ardupilot_commands => preflight::reset_battery(autopilot, [p1, p2]),
+        ACCELCAL_VEHICLE_POS if autopilot.rules().has_ardupilot_commands => preflight::take_pose(autopilot, p1),
         DO_AUX_FUNCTION if is_done_by_switch(autopilot, [p1, p2]) => Ok(()),
-        number => {
-            answers::for_device(autopilot.rules(), number, raw.params).unwrap_or(Err(CommandError::unsupported()))
-        }
+        number => answers::for_device(autopilot, number, raw.params).unwrap_or(Err(CommandError::unsupported())),
     }
 }
 
@@ -127,6 +124,11 @@ fn is_done_by_switch(autopilot: &mut Autopilot, params: [f32; 2]) -> bool {
 fn change_mode(autopilot: &mut Autopilot, base_mode: f32, custom_mode: f32) -> Result<(), CommandError> {
     check_finite("Mode", &[base_mode, custom_mode])?;
     let custom_flag = i64::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits());
+    // MAV_MODE_FLAG_DECODE_POSITION_SAFETY by itself is a safety switch's, 0 off and 1 on, of which there is none.
+    const SAFETY: i64 = 128;
+    if integer(base_mode) & 0xFF == SAFETY && matches!(integer(custom_mode), 0 | 1) {
+        return Ok(());
+    }
     if integer(base_mode) & custom_flag == 0 {
         return Err(CommandError::denied("Mode: only custom modes are known"));
     }

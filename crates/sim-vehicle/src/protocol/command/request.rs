@@ -1,5 +1,6 @@
 //! A command as it is asked for, whichever message carried it.
 
+use crate::autopilot::input::integer;
 use mavlink_bridge::dialect::{MavCmd, MavFrame, MavModeFlag};
 use mavlink_bridge::{CommandPosition, LatLonE7};
 
@@ -12,21 +13,21 @@ pub(crate) struct Command {
     pub position: CommandPosition,
     /// Param 7 of COMMAND_LONG, z of COMMAND_INT.
     pub z: f32,
-    /// MAV_FRAME.
+    /// MAV_FRAME, in the dialect or not: most commands do not read it.
     pub frame: u8,
 }
 
 impl Command {
-    /// A command as it came; none if the dialect does not know it, or its frame.
+    /// A command as it came; none if the dialect does not know it.
     pub fn read(wire: &mavlink_bridge::Command) -> Option<Self> {
         let command = wire.mav_cmd()?;
-        let frame = match wire.frame {
-            Some(_) => wire.mav_frame()?,
-            // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
-            None if command == MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
-            None => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        // A COMMAND_LONG has no frame: ArduPilot reads its altitudes as above home, and home's as above sea level.
+        let of_long = match command {
+            MavCmd::MAV_CMD_DO_SET_HOME => MavFrame::MAV_FRAME_GLOBAL,
+            _ => MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
         };
-        Some(Self { command, params: wire.params, position: wire.position, z: wire.z, frame: frame as u8 })
+        let frame = wire.frame.unwrap_or(of_long as u8);
+        Some(Self { command, params: wire.params, position: wire.position, z: wire.z, frame })
     }
 
     /// DO_SET_MODE, for the SET_MODE message that came before it, which has a PX4's main and sub mode in one number.
@@ -40,6 +41,14 @@ impl Command {
             position: CommandPosition::Long([0.0; 2]),
             z: 0.0,
             frame: MavFrame::MAV_FRAME_GLOBAL as u8,
+        }
+    }
+
+    /// Params 5 and 6 as whole numbers, of a command that has no place in them.
+    pub fn whole_p5_p6(&self) -> [i64; 2] {
+        match self.position {
+            CommandPosition::Long(params) => params.map(integer),
+            CommandPosition::Int(at) => [at.latitude_e7, at.longitude_e7].map(i64::from),
         }
     }
 

@@ -5,19 +5,13 @@ use crate::autopilot::Autopilot;
 use crate::autopilot::home::Home;
 use crate::autopilot::input::{ALTITUDE_MAX_M, check_finite};
 use crate::error::CommandError;
-use mavlink_bridge::CommandPosition;
 use mavlink_bridge::dialect::MavFrame;
 
 /// DO_SET_HOME. Param 1: 1 for where it is, or 0 for the place that comes with it; one of no latitude and longitude
-/// means where it is, too.
+/// means where it is, too, and so does one that is no number in a COMMAND_LONG.
 pub(crate) fn set_home(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
     let [p1, ..] = command.params;
     check_finite("Home", &[p1])?;
-    if let CommandPosition::Long(degrees) = command.position
-        && p1 != 1.0
-    {
-        check_finite("Home", &degrees)?;
-    }
     let position = command.lat_lon();
     if p1 == 1.0 || position.is_zero() {
         autopilot.set_home_here();

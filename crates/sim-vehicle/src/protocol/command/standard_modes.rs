@@ -5,6 +5,7 @@ use super::request::Command;
 use crate::autopilot::input::integer;
 use crate::error::CommandError;
 use crate::firmware::answers;
+use crate::firmware::rules::CommandSet;
 use crate::mode::Mode;
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
@@ -21,7 +22,7 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
             Ok(AVAILABLE_MODES | CURRENT_MODE) if !component.peers().can_carry(link, AVAILABLE_MODES) => {
                 Some(Err(CommandError::failed("MAVLink 1 does not have this message").quietly()))
             }
-            Ok(AVAILABLE_MODES) => Some(send_available_modes(component, link, integer(p2))),
+            Ok(AVAILABLE_MODES) => Some(send_available_modes(component, link, p2)),
             Ok(CURRENT_MODE) => {
                 component.send_stream(link, Stream::CurrentMode);
                 Some(Ok(()))
@@ -42,14 +43,22 @@ fn set_standard_mode(component: &mut Component, number: f32) -> Result<(), Comma
     }
 }
 
-/// One of them, from 1, or all for 0.
-fn send_available_modes(component: &mut Component, link: usize, index: i64) -> Result<(), CommandError> {
+/// One of them, from 1, or all for 0. Where there is none of an index an ArduPlane accepts that and a PX4 denies it.
+fn send_available_modes(component: &mut Component, link: usize, index: f32) -> Result<(), CommandError> {
     let rules = component.autopilot.rules();
     let modes = rules.modes;
+    let index = if rules.commands == CommandSet::Px4 { index.round() as i64 } else { integer(index) };
     let asked = match usize::try_from(index) {
         Ok(0) => 1..=modes.len(),
         Ok(one) if one <= modes.len() => one..=one,
-        _ => return Err(CommandError::failed(format!("There is no mode of index {index}"))),
+        _ => {
+            let reason = format!("There is no mode of index {index}");
+            return match rules.commands {
+                CommandSet::ArduPlane => Ok(()),
+                CommandSet::Px4 => Err(CommandError::denied(reason)),
+                CommandSet::Generic => Err(CommandError::failed(reason)),
+            };
+        }
     };
     for (index, &mode) in asked.clone().zip(&modes[asked.start() - 1..]) {
         let mut properties = MavModeProperty::empty();

@@ -24,12 +24,8 @@ pub(super) fn mission_type(kind: PlanKind) -> MavMissionType {
 }
 
 /// Most items.
-pub(super) fn items_max(kind: PlanKind) -> u16 {
-    match kind {
-        PlanKind::Mission => mission::items::ITEMS_MAX,
-        PlanKind::Fence => fence::items::ITEMS_MAX,
-        PlanKind::Rally => rally::POINTS_MAX,
-    }
+pub(super) fn items_max(rules: &Rules, kind: PlanKind) -> u16 {
+    rules.plan_items_max[kind as usize]
 }
 
 /// The parameter that counts its items.
@@ -67,8 +63,8 @@ pub(super) fn check(
 /// Whether items can be a plan; the index of the one that cannot, of the first too many or of their end, and why.
 pub(super) fn check_items(rules: &Rules, kind: PlanKind, items: &[PlanItem]) -> Result<(), (usize, String)> {
     let count = u16::try_from(items.len()).unwrap_or(u16::MAX);
-    if count > items_max(kind) {
-        let most = items_max(kind);
+    if count > items_max(rules, kind) {
+        let most = items_max(rules, kind);
         return Err((usize::from(most), format!("{} refused: more than {most} items", kind.name())));
     }
     for (seq, item) in (0..count).zip(items) {

@@ -282,6 +282,6 @@ impl MissionService {
         mission_type: u8,
         result: MavMissionResult,
     ) {
-        component.links().acknowledge_plan(link, mission_type, result, to);
+        component.links().acknowledge_plan(link, mission_type, result, 0, to);
     }
 }

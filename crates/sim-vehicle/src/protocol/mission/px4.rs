@@ -12,6 +12,7 @@ use crate::error::Severity;
 use crate::firmware::answers::told_plan_item;
 use crate::links::PeerId;
 use crate::telemetry::announce::Component;
+use crate::telemetry::checksum;
 use crate::telemetry::streams::Stream;
 use mavlink_bridge::dialect::{MISSION_COUNT_DATA, MavMissionResult as Result, MavMissionType, Message};
 use mavlink_bridge::{ItemKind, PlanItem, PlanItemMessage, PlanMessage, Target};
@@ -283,7 +284,8 @@ impl MissionService {
             heard: component.host_now,
             ..*transfer
         };
-        if count > kind.map_or(0, items_max) {
+        let rules = component.autopilot.rules();
+        if count > kind.map_or(0, |kind| items_max(rules, kind)) {
             return refuse(self, component, Result::MAV_MISSION_NO_SPACE);
         }
         if count > 0 {
@@ -365,7 +367,8 @@ impl MissionService {
             accepted
         };
         let result = accepted.map_or(Result::MAV_MISSION_ERROR, |()| Result::MAV_MISSION_ACCEPTED);
-        self.send_plan_ack(component, link, sender, mission_type, result);
+        let plan_id = if result == Result::MAV_MISSION_ACCEPTED { checksum(component.autopilot.plan(kind)) } else { 0 };
+        component.links().acknowledge_plan(link, mission_type, result, plan_id, sender);
         self.tell_totals(component);
     }
 
@@ -409,7 +412,8 @@ fn ask_for_item(component: &mut Component, link: usize, transfer: &mut Transfer)
 /// How many items there are, of a plan that there is not: none.
 fn tell_count(component: &mut Component, link: usize, transfer: &mut Transfer) {
     let Some(Target { system_id: target_system, component_id: target_component }) = transfer.partner else { return };
-    let mission_type = match kind_of(transfer.mission_type) {
+    let kind = kind_of(transfer.mission_type);
+    let mission_type = match kind {
         Some(kind) => super::mission_type(kind),
         None if transfer.mission_type == ALL => MavMissionType::MAV_MISSION_TYPE_ALL,
         None => return,
@@ -420,7 +424,7 @@ fn tell_count(component: &mut Component, link: usize, transfer: &mut Transfer) {
         target_system,
         target_component,
         mission_type,
-        ..MISSION_COUNT_DATA::DEFAULT
+        opaque_id: kind.map_or(0, |kind| checksum(component.autopilot.plan(kind))),
     };
     component.links().send(link, &Message::MISSION_COUNT(count));
 }

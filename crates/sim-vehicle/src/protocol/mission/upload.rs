@@ -5,9 +5,10 @@
 
 use super::MissionService;
 use super::check::{check, items_max, mission_type, refusal, result_of};
-use crate::autopilot::mission::items::{LOITER_TURNS, has_heading};
+use crate::autopilot::mission::items::has_heading;
 use crate::autopilot::plan::PlanKind;
 use crate::error::Severity;
+use crate::firmware::answers;
 use crate::firmware::rules::Rules;
 use crate::links::PeerId;
 use crate::mode::Mode;
@@ -117,11 +118,15 @@ impl MissionService {
         }
         // Whoever begins anew has given up what he began before.
         *self.uploads.of(kind) = None;
-        if count > items_max(kind) {
-            let text = format!("Only {} items are supported", items_max(kind));
+        let most = items_max(component.autopilot.rules(), kind);
+        if count > most {
+            let text = format!("Only {most} items are supported");
             component.autopilot.say(Severity::Warning, &text);
             self.acknowledge_plan(component, link, sender, kind, MavMissionResult::MAV_MISSION_NO_SPACE);
         } else if count == 0 {
+            if kind == PlanKind::Mission {
+                component.autopilot.say(Severity::Info, "Flight plan received");
+            }
             self.accept_empty_plan(component, link, sender, kind);
         } else {
             self.ask_for_items(component, link, sender, kind, 0..count, count);
@@ -139,8 +144,9 @@ impl MissionService {
         last: i16,
     ) {
         let on_board = u16::try_from(component.autopilot.plan(kind).len()).unwrap_or(u16::MAX);
+        let most = items_max(component.autopilot.rules(), kind);
         let range = u16::try_from(first).ok().zip(u16::try_from(last).ok());
-        let range = range.filter(|(first, last)| first <= last && *last <= on_board && *last < items_max(kind));
+        let range = range.filter(|(first, last)| first <= last && *last <= on_board && *last < most);
         // Not even who uploads himself may write a part meanwhile.
         if self.uploads.of(kind).as_ref().is_some_and(|upload| !upload.is_complete()) {
             self.refuse_plan(component, link, sender, kind, MavMissionResult::MAV_MISSION_DENIED);
@@ -191,7 +197,7 @@ impl MissionService {
                 self.acknowledge_plan(component, link, sender, kind, result);
                 return;
             }
-            upload.items.push(item);
+            upload.items.push(answers::kept_plan_item(rules, kind, &item));
             (upload.heard, upload.ask_at) = (now, now + ASK_AGAIN_AFTER);
             if upload.is_complete() {
                 self.end_upload(component, link, sender, kind);
@@ -205,7 +211,12 @@ impl MissionService {
     pub(super) fn clear_plan(&mut self, component: &mut Component, link: usize, sender: Target, kind: PlanKind) {
         match self.against_clearing(component, link, sender, kind) {
             Some(result) => self.refuse_plan(component, link, sender, kind, result),
-            None => self.accept_empty_plan(component, link, sender, kind),
+            None => {
+                self.accept_empty_plan(component, link, sender, kind);
+                if kind == PlanKind::Mission {
+                    component.autopilot.have_cleared_mission();
+                }
+            }
         }
     }
 
@@ -311,6 +322,11 @@ impl MissionService {
         for (kept, new) in items.iter_mut().skip(first).zip(new) {
             *kept = new;
         }
+        // An ArduPlane that has no home on board puts it before the first item that comes, in whose place the second
+        // one then comes: a single item is flown (`AP_Mission::add_cmd`).
+        if kind == PlanKind::Mission && total == 1 && component.autopilot.mission().is_without_home() {
+            items.insert(0, PlanItem::default());
+        }
         match self.replace_plan(component, kind, items, anew) {
             Ok(()) => {
                 if kind == PlanKind::Mission {
@@ -329,11 +345,6 @@ impl MissionService {
 
 /// An item as it is understood: of some autopilots, a param that is not a number is one left out.
 pub(super) fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
-    // What is no number is refused as it is.
-    let is_finite = item.params.iter().all(|param| param.is_finite());
-    if rules.stores_turns_in_bytes && item.command == LOITER_TURNS && is_finite {
-        return in_bytes(item);
-    }
     if !rules.nan_params_are_left_out {
         return item;
     }
@@ -342,16 +353,6 @@ pub(super) fn read_item(rules: &Rules, item: PlanItem) -> PlanItem {
         params[3] = item.params[3];
     }
     PlanItem { params, ..item }
-}
-
-/// NAV_LOITER_TURNS as an ArduPlane keeps it, in two bytes: up to 255 turns, whole ones from one on, else in parts of
-/// 256; the radius in whole metres up to 255, else in tens of them.
-fn in_bytes(item: PlanItem) -> PlanItem {
-    let [turns, p2, radius_m, p4] = item.params;
-    let turns = if turns > 0.0 && turns < 1.0 { (turns * 256.0).trunc() / 256.0 } else { turns.min(255.0).trunc() };
-    let size_m = radius_m.abs();
-    let size_m = if size_m <= 255.0 { size_m.trunc() } else { (size_m * 0.1).trunc().min(255.0) * 10.0 };
-    PlanItem { params: [turns, p2, size_m.copysign(radius_m), p4], ..item }
 }
 
 /// How an item of an upload is asked for. ArduPlane still asks by the older message, and some clients (dronekit) answer

@@ -30,6 +30,8 @@ pub(crate) struct ParameterService {
     place: usize,
     /// Whether a parameter has been set since somebody asked.
     has_changed: bool,
+    /// Whether all parameters have their first values again when the vehicle starts anew.
+    resets_by_reboot: bool,
     /// What a client has set SIM_SPEEDUP to, until the host takes it.
     speedup_wanted: Option<f64>,
 }
@@ -62,6 +64,19 @@ impl ParameterService {
     /// Nobody has asked for a list.
     pub fn forget_listings(&mut self) {
         self.listings.clear();
+    }
+
+    /// The vehicle is switched on again: nobody has asked for a list.
+    pub fn start_anew(&mut self, component: &mut Component) {
+        self.forget_listings();
+        if std::mem::take(&mut self.resets_by_reboot) {
+            self.reset(component);
+        }
+    }
+
+    /// All parameters have their first values again when the vehicle starts anew.
+    pub fn reset_by_reboot(&mut self) {
+        self.resets_by_reboot = true;
     }
 
     /// How fast the host's clock is to run, if somebody has set SIM_SPEEDUP since this was last asked.

@@ -15,7 +15,7 @@ impl ParameterService {
     pub fn start(&mut self, component: &mut Component) -> Result<(), SettingsError> {
         let files = std::mem::take(&mut component.settings.parameter_files);
         let known = component.autopilot.parameters.adopt(&files);
-        let refused = in_any_order(known, |parameter, value| self.set(component, parameter, value));
+        let refused = in_any_order(known, |parameter, entry| self.set(component, parameter, entry.value as f32));
         refused.into_iter().next().map_or(Ok(()), |(entry, reason)| Err(of_entry(entry, &reason)))?;
         for (name, value) in std::mem::take(&mut component.settings.default_parameters) {
             self.start_one(component, &name, f64::from(value))
@@ -27,6 +27,15 @@ impl ParameterService {
             taken.map_err(|reason| of_entry(entry, &reason))?;
         }
         Ok(())
+    }
+
+    /// Sets all parameters to what they were at the start, before what a state folder has kept.
+    pub fn reset(&mut self, component: &mut Component) {
+        let first = component.autopilot.parameters.first_values();
+        // They were in range together.
+        let _ = in_any_order(first, |parameter, value| self.set(component, parameter, value));
+        component.autopilot.parameters.reset_inert();
+        self.has_changed = true;
     }
 
     fn start_one(&mut self, component: &mut Component, name: &str, value: f64) -> Result<(), ParameterError> {
