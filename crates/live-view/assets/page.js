@@ -15,7 +15,7 @@ const EVENTS_SHOWN = 500;
 const SELECTED_SHOWN = 20;
 
 export const player = new Player();
-const stage = new Stage(element("stage"), player, parameters.has("canvas"));
+const stage = new Stage(element("stage"), player, ["canvas", "webgl"].find((name) => parameters.has(name)));
 const table = new Table(element("table"), element("count"), element("filter"), stage);
 const charts = new Charts(element("charts"), player, (time) => player.seek(time));
 const choices = new Choices(element("choice"), player);

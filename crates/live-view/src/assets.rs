@@ -34,6 +34,9 @@ pub const ALL: &[Asset] = &[
     asset!("/wire.js", "wire.js", JS),
     asset!("/player.js", "player.js", JS),
     asset!("/camera.js", "camera.js", JS),
+    asset!("/shapes.js", "shapes.js", JS),
+    asset!("/gl-painter.js", "gl-painter.js", JS),
+    asset!("/plain-painter.js", "plain-painter.js", JS),
     asset!("/painter.js", "painter.js", JS),
     asset!("/overlay.js", "overlay.js", JS),
     asset!("/scenery.js", "scenery.js", JS),
@@ -53,10 +56,13 @@ pub fn find(path: &str) -> Option<&'static Asset> {
 }
 
 /// The modules of the page in an order in which each stands after those that it imports; without the connection.
-const MODULES: [&str; 13] = [
+const MODULES: [&str; 16] = [
     "/wire.js",
     "/player.js",
     "/camera.js",
+    "/shapes.js",
+    "/gl-painter.js",
+    "/plain-painter.js",
     "/painter.js",
     "/overlay.js",
     "/scenery.js",
