@@ -48,6 +48,7 @@ export function hear(message) {
   if (message.roster) setRoster(message.roster);
   if (message.told) { events.push(...message.told); drawEvents(); }
   if (message.choices) { choices.take(message.choices); stage.isStale = true; }
+  if (message.recording) setRecording(message.recording);
   if (message.summary) setSummary(message.summary);
   if (message.may) { may = true; operator.offer(scene.takes_words ? scene.verbs : [], may); }
   if (message.answer) operator.answered(message.answer);
@@ -109,23 +110,30 @@ function showConnection() {
   if (element("connection").textContent !== text) element("connection").textContent = text;
 }
 
-/** All is told anew: the program sends its events from the first. */
-export function forgetEvents() {
+/** All is told anew: the program sends its events, or its recording, from the first. */
+export function begin() {
   events = [];
   choices.forget();
+  if (player.isRecording) player.record([]);
 }
 
-/** Plays a recording: what is known of it, and its frames. */
-export function play({ scene: known, roster: whose, told, least, choices: chosen }, frames) {
+/** Takes what is known of a recording, of which a part may not have been read yet. */
+function setRecording({ scene: known, roster: whose, told, least, choices: chosen, read = 1, duration_s: duration }) {
   setScene(known);
   setRoster(whose);
-  player.record(momentsOf(frames));
   events = told;
   choices.take(chosen ?? []);
   drawEvents();
   setSummary({ phase: "", least });
-  setConnection("recording", false);
-  stage.isFitted = false;
+  player.duration = duration ?? 0;
+  if (!player.isRecording) player.record([]);
+  if (read === 1) stage.isFitted = false;
+  setConnection(read < 1 ? `recording: ${Math.floor(100 * read)} % is read` : "recording", false);
+}
+
+/** Plays more moments of a recording. */
+export function playOn(moments) {
+  player.append(moments);
 }
 
 // ---- What the page shows beside the picture ----
@@ -313,7 +321,7 @@ press("live", () => player.goLive());
 element("colour-by").addEventListener("change", ({ target }) => { stage.colourBy = target.value; stage.isStale = true; });
 element("speed").addEventListener("change", ({ target }) => { player.speed = Number(target.value); });
 element("scrub").addEventListener("input", ({ target }) => {
-  player.seek(player.start + (player.end - player.start) * Number(target.value) / 1000);
+  player.seek(player.start + (player.last - player.start) * Number(target.value) / 1000);
 });
 
 const KEYS = {
@@ -354,7 +362,7 @@ function slowly(clock = performance.now()) {
   const isRunning = player.isLive || player.isPlaying;
   element("play").textContent = isRunning ? "Pause" : "Play";
   element("live").hidden = player.isLive || player.isRecording;
-  const span = player.end - player.start;
+  const span = player.last - player.start;
   if (document.activeElement !== element("scrub") || isRunning) element("scrub").value = span > 0 ? 1000 * (player.now - player.start) / span : 1000;
   showConnection();
   element("clock").textContent = `${player.now.toFixed(1)} s`;
@@ -372,7 +380,8 @@ window.columba = { player, stage, table, choices, get events() { return events; 
 const inline = element("recording");
 if (inline) {
   const letters = atob(element("recording-frames").textContent.trim());
-  play(JSON.parse(inline.textContent), Uint8Array.from(letters, (letter) => letter.charCodeAt(0)).buffer);
+  setRecording(JSON.parse(inline.textContent));
+  playOn(momentsOf(Uint8Array.from(letters, (letter) => letter.charCodeAt(0)).buffer));
   player.isPlaying = false;
 }
 requestAnimationFrame(each);

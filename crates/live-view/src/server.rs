@@ -5,8 +5,8 @@ use crate::connections::Bounded;
 use crate::feed::{Feed, FeedReader, feed};
 use crate::guard::{Refused, Token};
 use crate::look::{LeastSoFar, Looker};
-use crate::recording::Recording;
 use crate::scene::{Event, Frame, Scene};
+use crate::tape::Tape;
 use crate::wire::{BITS_AT, FINE_MAX, HISTORY};
 use axum::body::Bytes;
 use serde::Serialize;
@@ -102,34 +102,27 @@ impl LiveView {
         Self::serve(settings, None)
     }
 
-    /// Serves a page that plays a recording back.
+    /// Serves a page that plays a recording back, while it is still being read.
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn play(settings: &Settings, recording: Recording) -> Result<Self, ViewError> {
-        Self::serve(settings, Some(recording))
+    pub fn play(settings: &Settings, tape: Tape) -> Result<Self, ViewError> {
+        Self::serve(settings, Some(tape))
     }
 
-    fn serve(settings: &Settings, recording: Option<Recording>) -> Result<Self, ViewError> {
+    fn serve(settings: &Settings, tape: Option<Tape>) -> Result<Self, ViewError> {
         let start = |reason: String| ViewError::Start(reason);
         let asked = SocketAddr::new(settings.host, settings.port);
         let bind = |source| ViewError::Bind { address: asked, source };
         let listener = TcpListener::bind(asked).map_err(bind)?;
         listener.set_nonblocking(true).map_err(bind)?;
         let address = listener.local_addr().map_err(bind)?;
-        let recording = match recording {
-            None => None,
-            Some(recording) => {
-                let head = recording.head().map_err(|error| start(error.to_string()))?;
-                Some((head, Bytes::copy_from_slice(recording.frames())))
-            }
-        };
         let (feed, reader) = feed();
         let (say, words) = mpsc::channel(64);
         let shared = Arc::new(Shared {
             token: Token::new().map_err(|error| start(error.to_string()))?,
             port: address.port(),
-            recording,
+            tape,
             say,
             published: Mutex::new(Published::default()),
             news: watch::channel(0).0,
@@ -199,8 +192,8 @@ impl Drop for LiveView {
 pub(crate) struct Shared {
     pub token: Token,
     pub port: u16,
-    /// Head and frames.
-    pub recording: Option<(String, Bytes)>,
+    /// What is played back, where the page is no live one.
+    pub tape: Option<Tape>,
     pub say: mpsc::Sender<Said>,
     published: Mutex<Published>,
     /// Counts looks.

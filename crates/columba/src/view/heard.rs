@@ -230,7 +230,8 @@ pub fn free_number(system: u32, is_taken: impl Fn(u32) -> bool) -> u32 {
     (0..).map(|others| system + 1000 * others).find(|&number| !is_taken(number)).unwrap_or(system)
 }
 
-fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
+/// Whether a heartbeat is that of an autopilot, not of a ground station or a part of a vehicle.
+pub fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
     heartbeat.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID
         && !matches!(
             heartbeat.mavtype,
@@ -241,8 +242,8 @@ fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
         )
 }
 
-/// Before its estimator has a fix, ArduPilot tells places within metres of 0, 0.
-fn is_place(data: &GLOBAL_POSITION_INT_DATA) -> bool {
+/// Whether a position is one: before its estimator has a fix, ArduPilot tells places within metres of 0, 0.
+pub fn is_place(data: &GLOBAL_POSITION_INT_DATA) -> bool {
     data.lat.abs() >= 10_000 || data.lon.abs() >= 10_000
 }
 
