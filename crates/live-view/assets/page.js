@@ -77,7 +77,12 @@ function setSummary({ phase, least }) {
 
 function setLeast(id, what, least, { is_of_flight: isOfFlight }, isBad) {
   const button = element(id);
-  button.textContent = least ? `least ${what} ${least.value_m.toFixed(2).replace("-", "\u2212")} m: ${least.vehicles.join(" and ")}, at ${least.at_s.toFixed(1)} s` : "";
+  const words = ({ value_m: value, vehicles, at_s: time }) => {
+    const metres = value.toFixed(2).replace("-", "\u2212");
+    const whose = `${vehicles.length > 1 ? "vehicles" : "vehicle"} ${vehicles.join(" and ")}`;
+    return `least ${what} ${metres} m: ${whose}, at ${time.toFixed(1)} s`;
+  };
+  button.textContent = least ? words(least) : "";
   button.classList.toggle("bad", Boolean(least) && isBad(least.value_m));
   const basis = isOfFlight ? scene.distances_rest_on || "measured by the flight at every step" : "of the moments that this page was sent";
   button.title = `The least ${what} so far: ${basis}. Click to go there.`;
@@ -172,12 +177,15 @@ function alarmsNow() {
   return found.sort((a, b) => b[0] - a[0] || a[1] - b[1]);
 }
 
+const modeOf = (i) => roster.modes[player.shownStatus()?.mode(i)] ?? "an unknown mode";
+
 function drawAlarms() {
   const alarms = alarmsNow();
   const count = element("alarm-count");
   count.textContent = alarms.length || "";
   count.classList.toggle("bad", alarms.length > 0);
-  const words = alarms.slice(0, 50).map(([level, i, flags]) => [level, i, `vehicle ${roster.numbers[i] ?? i + 1}: ${stateOf(flags)}`]);
+  const wordsOf = (i, flags) => `vehicle ${roster.numbers[i] ?? i + 1}: ${stateOf(flags)}, in ${modeOf(i)}`;
+  const words = alarms.slice(0, 50).map(([level, i, flags]) => [level, i, wordsOf(i, flags)]);
   const text = words.map(([, , word]) => word).join("\n") + alarms.length;
   if (text === drawAlarms.text) return;
   drawAlarms.text = text;

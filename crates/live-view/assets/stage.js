@@ -292,7 +292,10 @@ export class Stage {
     const mean = (values) => placed.reduce((sum, i) => sum + values[i], 0) / placed.length;
     this.camera.centre[0] = mean(this.flock.x);
     this.camera.centre[1] = mean(this.flock.y);
-    this.camera.scale = Math.max(this.camera.scale, 3);
+    // Several that are near to one another are told apart.
+    const spread = (values) => Math.max(...placed.map((i) => values[i])) - Math.min(...placed.map((i) => values[i]));
+    const apart = 120 / Math.max(10, Math.hypot(spread(this.flock.x), spread(this.flock.y)));
+    this.camera.scale = Math.max(this.camera.scale, placed.length > 1 ? Math.min(12, apart) : 3);
     this.camera.update();
     this.isTouched = true;
     this.isStale = true;
