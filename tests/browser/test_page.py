@@ -98,7 +98,9 @@ def test_both_painters_put_each_vehicle_where_the_camera_says(open_page, start_v
     for name in ("webgl", "canvas"):
         page = open_page(address_in(vehicles.errors).replace("#", f"?{name}#"))
         wait_for_vehicles(page, 5)
+        # They stand still, and in the picture.
         page.evaluate("columba.player.toggle()")
+        page.click("#fit")
         for seen in ("from above", "from the side"):
             painted[name, seen] = page.evaluate(PAINTED)
             page.click("#view-3d")
