@@ -1,11 +1,14 @@
 """Measures the live view: `python tests/benchmark_view.py`, after `cargo build --release --bins --examples`.
 
-Frames a second of the page in a browser without a GPU, what the page's server costs, and whether a page that does not
-read makes a flight late. Needs playwright and a browser, as tests/browser does.
+Frames a second of the page in a browser without a GPU, what the page's server costs, how soon a log of 100 MB plays,
+and whether a page that does not read makes a flight late. What an abort takes is printed by
+tests/browser/test_abort.py. Needs playwright and a browser, as tests/browser does.
 """
 
+import math
 import os
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -16,6 +19,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent / "browser"))
 from chromium import NAMES, OPTIONS, address_in, until
 from playwright.sync_api import sync_playwright
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 RELEASE = Path(__file__).parent.parent / "target/release"
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
@@ -48,7 +52,9 @@ def measure(address, pid, browser, name):
     span_s = (done[0][2] - idle[0][2]) / 1000
     frames, received = ((done[0][k] - idle[0][k]) / span_s for k in (0, 1))
     share = (done[1] - idle[1]) / span_s
-    print(f"{name}: {frames:.0f} frames/s, {received / 1e6:.2f} MB/s, the page's server {100 * share:.1f} % of a core")
+    painter = page.evaluate("columba.stage.painter.name")
+    print(f"{name} ({painter}), load {os.getloadavg()[0]:.1f}: {frames:.0f} frames/s, {received / 1e6:.2f} MB/s,"
+          f" the page's server {100 * share:.1f} % of a core")
     page.close()
 
 
@@ -104,6 +110,59 @@ def late_ticks(pages):
               f" {late_ms[-1] - earliest:.0f} ms at most")
 
 
+def log_of(path, vehicles=20, size=100e6):
+    """Writes a log as a ground station does: heartbeats, attitudes, positions of vehicles in circles."""
+    began_us, at_s, written = 1_600_000_000_000_000, 0.0, 0
+    senders = [mavlink.MAVLink(None, srcSystem=index + 1, srcComponent=1) for index in range(vehicles)]
+    with path.open("wb") as log:
+        while written < size:
+            for index, sender in enumerate(senders):
+                turn, ms = 0.1 * at_s + index, round(1000 * at_s)
+                lat, lon = round(473e6 + 3e3 * index + 1e3 * math.cos(turn)), round(85e6 + 1e3 * math.sin(turn))
+                messages = [
+                    mavlink.MAVLink_attitude_message(ms, 0.1, 0.1, math.sin(turn), 0, 0, 0),
+                    mavlink.MAVLink_global_position_int_message(ms, lat, lon, 550_000, 50_000, 0, 1000, 0, 0),
+                    mavlink.MAVLink_vfr_hud_message(20, 20, 90, 50, 100, 0),
+                ]
+                if round(10 * at_s) % 10 == 0:
+                    messages.append(mavlink.MAVLink_heartbeat_message(1, 3, 217, 15, 4, 3))
+                for message in messages:
+                    sender.seq = (sender.seq + 1) % 256
+                    record = struct.pack(">Q", began_us + round(1e6 * at_s)) + message.pack(sender)
+                    log.write(record)
+                    written += len(record)
+            at_s += 0.1
+
+
+def playback(browser):
+    """From the start of the program until a log of 100 MB plays, until all is read; and how long a scrub takes."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "flight.tlog"
+        log_of(path)
+        path.read_bytes()
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        began = time.monotonic()
+        viewer = subprocess.Popen([RELEASE / "columba", "view", path], stderr=subprocess.PIPE, text=True)
+        address = address_in(viewer.stderr.readline())
+        served_s = time.monotonic() - began
+        page.goto(address)
+        until(page, "columba.player.isRecording && columba.stage.frames > 0 && columba.player.now > 0")
+        plays_s = time.monotonic() - began
+        early = page.evaluate("document.getElementById('connection').textContent")
+        until(page, "document.getElementById('connection').textContent === 'recording'")
+        whole_s = time.monotonic() - began
+        scrub = (
+            "(() => { const from = performance.now(); columba.player.seek(columba.player.end * PART);"
+            " columba.stage.draw(performance.now()); return performance.now() - from; })()"
+        )
+        scrubs = sorted(page.evaluate(scrub.replace("PART", str(part))) for part in (0.1, 0.9, 0.5, 0.3, 0.7))
+        print(f"a log of 100 MB, load {os.getloadavg()[0]:.1f}: served after {served_s:.2f} s,"
+              f" plays after {plays_s:.2f} s ({early}), read after {whole_s:.2f} s;"
+              f" a scrub takes {scrubs[2]:.0f} ms, {scrubs[-1]:.0f} at most")
+        viewer.kill()
+        page.close()
+
+
 def drained(address):
     """A page that reads, as a process of its own."""
     code = f"import sys; sys.path[:0] = [{str(Path(__file__).parent)!r}]; import benchmark_view as b; s = b.stuck({address!r})\nwhile s.recv(1 << 20): pass"
@@ -118,12 +177,14 @@ def main():
             example = subprocess.Popen([RELEASE / "examples/1_many_vehicles", str(vehicles)], stdout=subprocess.PIPE, text=True)
             address = example.stdout.readline().strip()
             server_alone(example.pid, f"{vehicles} vehicles, no page")
-            measure(address, example.pid, browser, f"{vehicles} vehicles, WebGL")
-            measure(address.replace("#", "?canvas#"), example.pid, browser, f"{vehicles} vehicles, canvas")
+            measure(address, example.pid, browser, f"{vehicles} vehicles, as the page chooses")
+            measure(address.replace("#", "?webgl#"), example.pid, browser, f"{vehicles} vehicles, WebGL")
             example.kill()
+        playback(browser)
         browser.close()
-    late_ticks(False)
-    late_ticks(True)
+    for _ in range(3):
+        late_ticks(False)
+        late_ticks(True)
 
 
 if __name__ == "__main__":

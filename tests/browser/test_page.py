@@ -21,7 +21,7 @@ def wait_for_vehicles(page, count):
 
 def test_a_vehicle_that_leaves_guided_raises_an_alarm_that_leads_to_it(open_page, start_vehicles, scenario):
     vehicles = start_vehicles(scenario(count=5), "--speed", 5, "--view")
-    page = open_page(address_in(vehicles.errors))
+    page = open_page(address_in(vehicles.errors).replace("#", "?webgl#"))
     wait_for_vehicles(page, 5)
     assert page.evaluate("columba.stage.painter.name") == "WebGL 2"
     page.wait_for_selector(".row >> nth=4")
@@ -61,9 +61,54 @@ def test_a_narrow_page_without_webgl_has_all_of_it(open_page, start_vehicles, sc
     place = page.evaluate("columba.stage.camera.project(...['x', 'y', 'z'].map(name => columba.stage.flock[name][0]))")
     box = page.locator("#stage").bounding_box()
     assert 0 < place[0] < box["width"] and 0 < place[1] < box["height"], "the vehicle is in the picture"
-    # What is drawn there is not the ground.
-    drawn = "(() => { const c = document.querySelector('.picture'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0; for (let k = 3; k < d.length; k += 4) if (d[k] > 240) n++; return n; })()"
-    until(page, f"{drawn} > 20")
+
+
+#: How many pixels of the picture have each vehicle's colour within a few pixels of where the camera says that it is;
+#: and how many have it at all. A picture is read in the same turn in which it was drawn.
+PAINTED = """(() => {
+  const { stage } = columba, { flock, camera, canvas } = stage;
+  stage.isStale = true;
+  stage.draw(performance.now());
+  const ahead = stage.player.ahead(performance.now());
+  const copy = Object.assign(document.createElement('canvas'), { width: canvas.width, height: canvas.height });
+  const context = copy.getContext('2d');
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, copy.width, copy.height);
+  const is = (at, colour) => [0, 8, 16].every((shift, k) => Math.abs(data[at + k] - ((colour >> shift) & 255)) < 8);
+  const near = [];
+  for (let i = 0; i < flock.n; i++) {
+    const on = flock.speed[i] * ahead;
+    const [north, east] = [Math.cos(flock.course[i]) * on, Math.sin(flock.course[i]) * on];
+    const [px, py] = camera.project(flock.x[i] + north, flock.y[i] + east, flock.z[i]);
+    let count = 0;
+    for (let y = Math.round(py) - 8; y <= py + 8; y++) {
+      for (let x = Math.round(px) - 8; x <= px + 8; x++) if (is(4 * (y * copy.width + x), flock.colour[i])) count++;
+    }
+    near.push(count);
+  }
+  let all = 0;
+  for (let at = 0; at < data.length; at += 4) if (is(at, flock.colour[0])) all++;
+  return { near, all };
+})()"""
+
+
+def test_both_painters_put_each_vehicle_where_the_camera_says(open_page, start_vehicles, scenario):
+    vehicles = start_vehicles(scenario(count=5), "--view")
+    painted = {}
+    for name in ("webgl", "canvas"):
+        page = open_page(address_in(vehicles.errors).replace("#", f"?{name}#"))
+        wait_for_vehicles(page, 5)
+        # They stand still, and in the picture.
+        page.evaluate("columba.player.toggle()")
+        page.click("#fit")
+        for seen in ("from above", "from the side"):
+            painted[name, seen] = page.evaluate(PAINTED)
+            page.click("#view-3d")
+    for seen in ("from above", "from the side"):
+        webgl, canvas = painted["webgl", seen], painted["canvas", seen]
+        # A vehicle of nine pixels covers about 150.
+        assert min(webgl["near"]) > 60 and min(canvas["near"]) > 60, painted
+        assert webgl["all"] < 1500 and canvas["all"] < 1500, "and nothing else has its colour"
 
 
 def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, start_fly, start_vehicles, field):  # noqa: F811
@@ -115,7 +160,7 @@ def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page,
         wait_for_vehicles(page, 5)
         page.click(".row >> nth=2")
         page.click("#tab-selected")
-        page.wait_for_selector("#choice h3:has-text('MSLPIO at')")
+        page.wait_for_selector("#choice h3:has-text('MSLPIO chose at')")
         until(page, "columba.choices.shown()?.at_s > 4")
         # Other members of the front can be looked at by the keyboard, and their weights are said.
         page.focus("#choice .front")
@@ -124,7 +169,7 @@ def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page,
         # What was chosen before the vehicle was selected is remembered, too.
         page.evaluate("columba.player.toggle(); columba.player.seek(2.2)")
         until(page, "columba.choices.shown()?.at_s === 2")
-        page.wait_for_selector("#choice h3:has-text('MSLPIO at 2.0 s')")
+        page.wait_for_selector("#choice h3:has-text('MSLPIO chose at 2.0 s')")
         off_m = (
             "(() => { const c = columba.choices.shown(), [x, y] = c.members[c.chosen].path_m[0];"
             " return Math.hypot(x - columba.stage.flock.x[2], y - columba.stage.flock.y[2]); })()"
@@ -219,3 +264,25 @@ def test_any_vehicles_are_shown_without_configuration(open_page, start_vehicles,
     finally:
         viewer.send_signal(signal.SIGINT)
         assert viewer.wait(timeout=30) == 0
+
+
+def test_simulated_vehicles_are_told_to_end_and_answer(open_page, start_vehicles, scenario):
+    vehicles = start_vehicles(scenario(count=3), "--view")
+    page = open_page(address_in(vehicles.errors))
+    wait_for_vehicles(page, 3)
+    second, third = vehicles.connect()[1:]
+    page.click(".row >> nth=1")
+    page.click("#tab-selected")
+    page.click("#orders-one [data-verb='abort N']")
+    page.click("dialog [data-say='return N']")
+    page.wait_for_selector("#answer:has-text('return 2: accepted')")
+    second.wait(["HEARTBEAT"], lambda message: second.is_ours(message) and message.custom_mode == RTL)
+    said = "text.includes('the operator says return 2 (on the page, 127.0.0.1:')"
+    until(page, f"columba.events.some(({{text, vehicles}}) => {said} && vehicles[0] === 2)")
+    page.click("#orders [data-verb=abort]")
+    page.click("dialog [data-say='abort loiter']")
+    page.wait_for_selector("#answer:has-text('abort loiter: 3 of 3 have accepted')")
+    third.wait(["HEARTBEAT"], lambda message: third.is_ours(message) and message.custom_mode == LOITER)
+    # Whoever has no token can only watch.
+    watcher = open_page(address_in(vehicles.errors).split("#")[0])
+    watcher.wait_for_selector("#orders [data-verb=abort]:disabled")

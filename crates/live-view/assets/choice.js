@@ -75,11 +75,13 @@ export class Choices {
     if (!choice) { this.element.replaceChildren(); return; }
     if (this.pointed >= choice.members.length) this.pointed = null;
     const title = document.createElement("h3");
-    title.textContent = `${choice.optimizer} at ${choice.at_s.toFixed(1)} s: the Pareto front of ${choice.front_len} and the choice`;
+    const { optimizer, at_s: time, front_len: members } = choice;
+    title.textContent = `What ${optimizer} chose at ${time.toFixed(1)} s, of a Pareto front of ${members}`;
     this.words = document.createElement("p");
     this.words.className = "note";
     this.words.setAttribute("aria-live", "off");
-    this.element.replaceChildren(title, this.front(choice), this.words);
+    // Of one member there is nothing to compare.
+    this.element.replaceChildren(title, ...(choice.members.length > 1 ? [this.front(choice)] : []), this.words);
     this.say(choice);
   }
 
@@ -87,7 +89,9 @@ export class Choices {
   say(choice) {
     const member = choice.members[this.pointed ?? choice.chosen];
     const weights = TERMS.map((term, k) => `${term} ${member.weights[k].toFixed(2)}`).join(", ");
+    const isAlone = choice.members.length === 1;
     const words = [`${this.pointed === null || this.pointed === choice.chosen ? "Chosen" : "Not chosen"}: ${weights}.`];
+    if (isAlone) words.push("No other choice was found that is better in either cost.");
     if (choice.violation_m > 0) words.push(`No member keeps all distances: ${choice.violation_m.toFixed(2)} m short in all.`);
     if (choice.evasion_path_m) words.push("Evasion: the ways of the flock came too near, and another command was sent.");
     this.words.textContent = words.join(" ");
@@ -138,7 +142,7 @@ export class Choices {
   /** Points at a member: its weights are said, and its way is drawn. */
   point(index) {
     this.pointed = index;
-    this.dots.forEach((dot, k) => dot.classList.toggle("pointed", k === index));
+    this.dots?.forEach((dot, k) => dot.classList.toggle("pointed", k === index));
     this.say(this.drawn);
     this.onPoint();
   }

@@ -1,7 +1,7 @@
-// The connection to the program: a recording that it serves, or a live flight.
+// The connection to the program: a live flight, or a recording that it reads.
 
-import { Moment } from "./wire.js";
-import { forgetEvents, hear, play, player, setConnection, setLook, setSay } from "./page.js";
+import { Moment, momentsOf } from "./wire.js";
+import { begin, hear, player, playOn, setConnection, setLook, setSay } from "./page.js";
 
 const token = location.hash.slice(1);
 let socket = null;
@@ -25,14 +25,15 @@ function connect() {
   socket = new WebSocket(`ws://${location.host}/live`);
   socket.binaryType = "arraybuffer";
   socket.onopen = () => {
-    forgetEvents();
+    begin();
     setConnection("live", false);
     look();
     if (token) socket.send(JSON.stringify({ token }));
   };
   socket.onmessage = ({ data }) => {
     if (typeof data !== "string") {
-      player.take(new Moment(data), performance.now());
+      if (player.isRecording) playOn(momentsOf(data));
+      else player.take(new Moment(data), performance.now());
       return;
     }
     const message = JSON.parse(data);
@@ -47,11 +48,4 @@ function connect() {
   };
 }
 
-async function begin() {
-  const head = await fetch("recording.json");
-  if (head.status !== 200) return connect();
-  const [known, frames] = await Promise.all([head.json(), fetch("recording.bin").then((answer) => answer.arrayBuffer())]);
-  play(known, frames);
-}
-
-begin();
+connect();

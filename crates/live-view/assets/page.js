@@ -15,7 +15,7 @@ const EVENTS_SHOWN = 500;
 const SELECTED_SHOWN = 20;
 
 export const player = new Player();
-const stage = new Stage(element("stage"), player, parameters.has("canvas"));
+const stage = new Stage(element("stage"), player, ["canvas", "webgl"].find((name) => parameters.has(name)));
 const table = new Table(element("table"), element("count"), element("filter"), stage);
 const charts = new Charts(element("charts"), player, (time) => player.seek(time));
 const choices = new Choices(element("choice"), player);
@@ -48,6 +48,7 @@ export function hear(message) {
   if (message.roster) setRoster(message.roster);
   if (message.told) { events.push(...message.told); drawEvents(); }
   if (message.choices) { choices.take(message.choices); stage.isStale = true; }
+  if (message.recording) setRecording(message.recording);
   if (message.summary) setSummary(message.summary);
   if (message.may) { may = true; operator.offer(scene.takes_words ? scene.verbs : [], may); }
   if (message.answer) operator.answered(message.answer);
@@ -76,7 +77,12 @@ function setSummary({ phase, least }) {
 
 function setLeast(id, what, least, { is_of_flight: isOfFlight }, isBad) {
   const button = element(id);
-  button.textContent = least ? `least ${what} ${least.value_m.toFixed(2).replace("-", "\u2212")} m: ${least.vehicles.join(" and ")}, at ${least.at_s.toFixed(1)} s` : "";
+  const words = ({ value_m: value, vehicles, at_s: time }) => {
+    const metres = value.toFixed(2).replace("-", "\u2212");
+    const whose = `${vehicles.length > 1 ? "vehicles" : "vehicle"} ${vehicles.join(" and ")}`;
+    return `least ${what} ${metres} m: ${whose}, at ${time.toFixed(1)} s`;
+  };
+  button.textContent = least ? words(least) : "";
   button.classList.toggle("bad", Boolean(least) && isBad(least.value_m));
   const basis = isOfFlight ? scene.distances_rest_on || "measured by the flight at every step" : "of the moments that this page was sent";
   button.title = `The least ${what} so far: ${basis}. Click to go there.`;
@@ -109,23 +115,30 @@ function showConnection() {
   if (element("connection").textContent !== text) element("connection").textContent = text;
 }
 
-/** All is told anew: the program sends its events from the first. */
-export function forgetEvents() {
+/** All is told anew: the program sends its events, or its recording, from the first. */
+export function begin() {
   events = [];
   choices.forget();
+  if (player.isRecording) player.record([]);
 }
 
-/** Plays a recording: what is known of it, and its frames. */
-export function play({ scene: known, roster: whose, told, least, choices: chosen }, frames) {
+/** Takes what is known of a recording, of which a part may not have been read yet. */
+function setRecording({ scene: known, roster: whose, told, least, choices: chosen, read = 1, duration_s: duration }) {
   setScene(known);
   setRoster(whose);
-  player.record(momentsOf(frames));
   events = told;
   choices.take(chosen ?? []);
   drawEvents();
   setSummary({ phase: "", least });
-  setConnection("recording", false);
-  stage.isFitted = false;
+  player.duration = duration ?? 0;
+  if (!player.isRecording) player.record([]);
+  if (read === 1) stage.isFitted = false;
+  setConnection(read < 1 ? `recording: ${Math.floor(100 * read)} % is read` : "recording", false);
+}
+
+/** Plays more moments of a recording. */
+export function playOn(moments) {
+  player.append(moments);
 }
 
 // ---- What the page shows beside the picture ----
@@ -164,12 +177,15 @@ function alarmsNow() {
   return found.sort((a, b) => b[0] - a[0] || a[1] - b[1]);
 }
 
+const modeOf = (i) => roster.modes[player.shownStatus()?.mode(i)] ?? "an unknown mode";
+
 function drawAlarms() {
   const alarms = alarmsNow();
   const count = element("alarm-count");
   count.textContent = alarms.length || "";
   count.classList.toggle("bad", alarms.length > 0);
-  const words = alarms.slice(0, 50).map(([level, i, flags]) => [level, i, `vehicle ${roster.numbers[i] ?? i + 1}: ${stateOf(flags)}`]);
+  const wordsOf = (i, flags) => `vehicle ${roster.numbers[i] ?? i + 1}: ${stateOf(flags)}, in ${modeOf(i)}`;
+  const words = alarms.slice(0, 50).map(([level, i, flags]) => [level, i, wordsOf(i, flags)]);
   const text = words.map(([, , word]) => word).join("\n") + alarms.length;
   if (text === drawAlarms.text) return;
   drawAlarms.text = text;
@@ -313,7 +329,7 @@ press("live", () => player.goLive());
 element("colour-by").addEventListener("change", ({ target }) => { stage.colourBy = target.value; stage.isStale = true; });
 element("speed").addEventListener("change", ({ target }) => { player.speed = Number(target.value); });
 element("scrub").addEventListener("input", ({ target }) => {
-  player.seek(player.start + (player.end - player.start) * Number(target.value) / 1000);
+  player.seek(player.start + (player.last - player.start) * Number(target.value) / 1000);
 });
 
 const KEYS = {
@@ -354,7 +370,7 @@ function slowly(clock = performance.now()) {
   const isRunning = player.isLive || player.isPlaying;
   element("play").textContent = isRunning ? "Pause" : "Play";
   element("live").hidden = player.isLive || player.isRecording;
-  const span = player.end - player.start;
+  const span = player.last - player.start;
   if (document.activeElement !== element("scrub") || isRunning) element("scrub").value = span > 0 ? 1000 * (player.now - player.start) / span : 1000;
   showConnection();
   element("clock").textContent = `${player.now.toFixed(1)} s`;
@@ -372,7 +388,8 @@ window.columba = { player, stage, table, choices, get events() { return events; 
 const inline = element("recording");
 if (inline) {
   const letters = atob(element("recording-frames").textContent.trim());
-  play(JSON.parse(inline.textContent), Uint8Array.from(letters, (letter) => letter.charCodeAt(0)).buffer);
+  setRecording(JSON.parse(inline.textContent));
+  playOn(momentsOf(Uint8Array.from(letters, (letter) => letter.charCodeAt(0)).buffer));
   player.isPlaying = false;
 }
 requestAnimationFrame(each);

@@ -17,6 +17,7 @@ export class Player {
     this.isRecording = false;
     this.isPlaying = true;
     this.speed = 1;
+    this.duration = 0;      // of a recording, as far as it is known, s
     this.now = 0;           // flight time shown, s
     this.arrived = 0;       // when the newest came, ms of the page's clock
     this.version = 0;       // counts pictures that differ
@@ -28,12 +29,22 @@ export class Player {
     return this.newest ? Math.max(last, this.newest.time) : last;
   }
 
-  /** Takes all moments of a recording. */
+  /** The end of all that there will be: of a recording that is still being read it is known before. */
+  get last() { return Math.max(this.end, this.duration); }
+
+  /** Begins a recording, with the moments that are there. */
   record(moments) {
     this.moments = moments;
     this.isRecording = true;
     this.isLive = false;
     this.now = this.start;
+    this.version++;
+  }
+
+  /** Takes more moments of a recording, which come after all others. */
+  append(moments) {
+    for (const moment of moments) this.moments.push(moment);
+    this.now = Math.max(this.now, this.start);
     this.version++;
   }
 
@@ -70,7 +81,7 @@ export class Player {
     const end = this.end;
     if (this.now >= end) {
       if (!this.isRecording) this.goLive();
-      else this.isPlaying = false;
+      else if (end >= this.duration - 1e-3) this.isPlaying = false;
       this.version++;
       return;
     }

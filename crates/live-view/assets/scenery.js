@@ -1,6 +1,6 @@
 // What stands still in the picture: the grid of the ground, circles, fences, missions and other lines.
 
-import { Shapes, wordOfCss } from "./painter.js";
+import { Shapes, wordOfCss } from "./shapes.js";
 import { gridStep } from "./overlay.js";
 
 const CIRCLE_CORNERS = 48;

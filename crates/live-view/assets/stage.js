@@ -1,7 +1,8 @@
 // The picture: one scene from above or from the side, and the hands on it: mouse, touch, keyboard.
 
 import { Camera } from "./camera.js";
-import { painterFor, Shapes, wordOfCss, colourWord } from "./painter.js";
+import { painterFor } from "./painter.js";
+import { Shapes, wordOfCss, colourWord } from "./shapes.js";
 import { Overlay } from "./overlay.js";
 import { Grid, makeScenery } from "./scenery.js";
 import { Hands } from "./hands.js";
@@ -31,7 +32,7 @@ export function severity(flags) {
 }
 
 export class Stage {
-  constructor(element, player, plain) {
+  constructor(element, player, wanted) {
     this.player = player;
     this.element = element;
     [this.canvas, this.over] = ["picture", "marks"].map((name) => {
@@ -40,7 +41,7 @@ export class Stage {
       element.append(canvas);
       return canvas;
     });
-    this.painter = painterFor(this.canvas, plain);
+    this.painter = painterFor(this.canvas, wanted);
     this.overlay = new Overlay(this.over);
     this.camera = new Camera();
     this.flock = new Flock();
@@ -117,7 +118,8 @@ export class Stage {
           if (!moment || i >= moment.n) break;
           const here = before ? [moment.x(i), moment.y(i), moment.altitude(i), moment.time] : [flock.x[i], flock.y[i], flock.z[i], until];
           if (before && Number.isFinite(here[0]) && Number.isFinite(before[0])) {
-            const opacity = Math.round(200 * Math.max(0, 1 - (until - here[3]) / span));
+            // In a few steps: all of one colour is drawn in one go.
+            const opacity = 20 * Math.round(10 * Math.max(0, 1 - (until - here[3]) / span));
             const colour = (base | (opacity << 24)) >>> 0;
             trails.corner(before[0], before[1], before[2], colour);
             trails.corner(here[0], here[1], here[2], colour);
@@ -290,7 +292,10 @@ export class Stage {
     const mean = (values) => placed.reduce((sum, i) => sum + values[i], 0) / placed.length;
     this.camera.centre[0] = mean(this.flock.x);
     this.camera.centre[1] = mean(this.flock.y);
-    this.camera.scale = Math.max(this.camera.scale, 3);
+    // Several that are near to one another are told apart.
+    const spread = (values) => Math.max(...placed.map((i) => values[i])) - Math.min(...placed.map((i) => values[i]));
+    const apart = 120 / Math.max(10, Math.hypot(spread(this.flock.x), spread(this.flock.y)));
+    this.camera.scale = Math.max(this.camera.scale, placed.length > 1 ? Math.min(12, apart) : 3);
     this.camera.update();
     this.isTouched = true;
     this.isStale = true;

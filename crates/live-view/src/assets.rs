@@ -34,6 +34,9 @@ pub const ALL: &[Asset] = &[
     asset!("/wire.js", "wire.js", JS),
     asset!("/player.js", "player.js", JS),
     asset!("/camera.js", "camera.js", JS),
+    asset!("/shapes.js", "shapes.js", JS),
+    asset!("/gl-painter.js", "gl-painter.js", JS),
+    asset!("/plain-painter.js", "plain-painter.js", JS),
     asset!("/painter.js", "painter.js", JS),
     asset!("/overlay.js", "overlay.js", JS),
     asset!("/scenery.js", "scenery.js", JS),
@@ -53,10 +56,13 @@ pub fn find(path: &str) -> Option<&'static Asset> {
 }
 
 /// The modules of the page in an order in which each stands after those that it imports; without the connection.
-const MODULES: [&str; 13] = [
+const MODULES: [&str; 16] = [
     "/wire.js",
     "/player.js",
     "/camera.js",
+    "/shapes.js",
+    "/gl-painter.js",
+    "/plain-painter.js",
     "/painter.js",
     "/overlay.js",
     "/scenery.js",
@@ -73,7 +79,7 @@ const MODULES: [&str; 13] = [
 ///
 /// # Errors
 /// When a number of the recording's scene is none.
-pub fn page_of(recording: &Recording) -> Result<String, serde_json::Error> {
+pub fn page_of(recording: &mut Recording) -> Result<String, serde_json::Error> {
     let text = |path: &str| find(path).map_or("", |asset| std::str::from_utf8(asset.bytes).unwrap_or(""));
     let mut script = String::new();
     for line in MODULES.iter().flat_map(|path| text(path).lines()).filter(|line| !line.starts_with("import ")) {
@@ -81,7 +87,7 @@ pub fn page_of(recording: &Recording) -> Result<String, serde_json::Error> {
         script.push('\n');
     }
     // No text of a recording can close the element that it stands in.
-    let head = recording.head()?.replace('<', "\\u003c");
+    let head = serde_json::to_string(&recording.head())?.replace('<', "\\u003c");
     let mut page = String::new();
     for line in text("/").lines() {
         match line {
@@ -123,7 +129,7 @@ mod tests {
     #[test]
     fn the_page_of_a_recording_is_one_file_whose_modules_do_not_meet() {
         let scene = Scene { title: "</script><script>alert(1)".into(), ..Scene::default() };
-        let page = page_of(&Recording::new(scene)).unwrap();
+        let page = page_of(&mut Recording::new(scene)).unwrap();
         assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (3, 3));
         for outside in ["http:", "https:", "src=", "href=\"v", "@import", "fetch(", "WebSocket(", "import {"] {
             assert!(!page.contains(outside), "{outside}");

@@ -1,4 +1,4 @@
-//! What is served where: the page's files, a recording, the connection of a page. Who may ask is `guard.rs`.
+//! What is served where: the page's files, and the connection of a page. Who may ask is `guard.rs`.
 
 use crate::assets;
 use crate::connections::Peer;
@@ -19,8 +19,6 @@ pub fn router(shared: Arc<Shared>) -> IntoMakeServiceWithConnectInfo<Router, Pee
     let guard = middleware::from_fn_with_state(Arc::clone(&shared), guarded);
     Router::new()
         .route("/live", get(live))
-        .route("/recording.json", get(recording_head))
-        .route("/recording.bin", get(recording_frames))
         .fallback(get(asset))
         .layer(guard)
         .with_state(shared)
@@ -56,19 +54,5 @@ async fn asset(uri: Uri) -> Response {
     match assets::find(uri.path()) {
         Some(asset) => ([(header::CONTENT_TYPE, asset.content_type)], asset.bytes).into_response(),
         None => (StatusCode::NOT_FOUND, "there is nothing here\n").into_response(),
-    }
-}
-
-async fn recording_head(State(shared): State<Arc<Shared>>) -> Response {
-    match &shared.recording {
-        Some((head, _)) => ([(header::CONTENT_TYPE, "application/json")], head.clone()).into_response(),
-        None => StatusCode::NO_CONTENT.into_response(),
-    }
-}
-
-async fn recording_frames(State(shared): State<Arc<Shared>>) -> Response {
-    match &shared.recording {
-        Some((_, frames)) => ([(header::CONTENT_TYPE, "application/octet-stream")], frames.clone()).into_response(),
-        None => StatusCode::NO_CONTENT.into_response(),
     }
 }

@@ -35,6 +35,7 @@ mod page;
 pub mod recording;
 pub mod scene;
 mod server;
+pub mod tape;
 pub mod wire;
 
 pub use choice::Choice;
@@ -43,3 +44,4 @@ pub use guard::{Refused, Token};
 pub use recording::Recording;
 pub use scene::{Circle, Event, Frame, Least, Outline, Scene, Steering, VehicleNow, Weight, Wind};
 pub use server::{Answer, LiveView, Said, Settings, ViewError};
+pub use tape::{Progress, Tape};

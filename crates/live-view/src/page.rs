@@ -2,6 +2,7 @@
 
 use crate::connections::Peer;
 use crate::server::{Answer, Said, Shared, json};
+use crate::tape::Wound;
 use axum::body::Bytes;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::extract::{ConnectInfo, State};
@@ -11,12 +12,14 @@ use serde::Deserialize;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::oneshot;
+use tokio::sync::{oneshot, watch};
 
 /// The longest word of a page, bytes.
 const WORD_MAX: usize = 4096;
 /// Pages at once.
 const PAGES_MAX: usize = 32;
+/// A page is asked so often whether it is there: of a recording that was sent there is nothing more to send.
+const ASK_EVERY: Duration = Duration::from_secs(10);
 /// A page that takes nothing for so long is let go.
 const SEND_PATIENCE: Duration = Duration::from_secs(10);
 
@@ -72,6 +75,8 @@ struct Sent {
     choices: u64,
     events: usize,
     has_history: bool,
+    /// Parts of the recording.
+    parts: usize,
 }
 
 /// A browser.
@@ -103,8 +108,21 @@ impl Page {
     async fn attend(mut self) -> &'static str {
         let mut news = self.shared.news.subscribe();
         news.mark_changed();
+        let tape = self.shared.tape.clone().unwrap_or_default();
+        let mut wound = tape.subscribe();
+        wound.mark_changed();
         loop {
             tokio::select! {
+                _ = wound.changed() => {
+                    if let Err(reason) = self.send_recording(&mut wound).await {
+                        return reason;
+                    }
+                }
+                () = tokio::time::sleep(ASK_EVERY) => {
+                    if let Err(reason) = self.send(Message::Ping(Bytes::new())).await {
+                        return reason;
+                    }
+                }
                 changed = news.changed() => {
                     if changed.is_err() {
                         return "the program ends";
@@ -130,19 +148,34 @@ impl Page {
         }
     }
 
+    /// Sends what was read of a recording since.
+    async fn send_recording(&mut self, wound: &mut watch::Receiver<Wound>) -> Result<(), &'static str> {
+        let (head, parts) = {
+            let wound = wound.borrow_and_update();
+            let Some(head) = &wound.head else { return Ok(()) };
+            (text(head), wound.parts[self.sent.parts..].to_vec())
+        };
+        self.send(head).await?;
+        for part in parts {
+            self.send(Message::Binary(part)).await?;
+            self.sent.parts += 1;
+        }
+        Ok(())
+    }
+
     /// Sends what the page has not seen: of the frames only the newest.
     async fn send_news(&mut self) -> Result<(), &'static str> {
         let mut messages = Vec::new();
+        let is_live = self.shared.tape.is_none();
         let is_over = {
             let published = self.shared.lock();
-            let text = |bytes: &Bytes| Message::Text(String::from_utf8_lossy(bytes).into_owned().into());
             let sent = &mut self.sent;
             for (known, (version, bytes)) in [
                 (&mut sent.scene, &published.scene),
                 (&mut sent.roster, &published.roster),
                 (&mut sent.summary, &published.summary),
             ] {
-                if known != version {
+                if known != version && is_live {
                     *known = *version;
                     messages.push(text(bytes));
                 }
@@ -159,7 +192,7 @@ impl Page {
                 sent.choices = count;
                 messages.push(Message::Text(format!("{{\"choices\":{choices}}}").into()));
             }
-            if sent.frame != published.frame.0 {
+            if sent.frame != published.frame.0 && is_live {
                 sent.frame = published.frame.0;
                 messages.push(Message::Binary(published.frame.1.clone()));
             }
@@ -184,6 +217,7 @@ impl Page {
             Err(_) => Err("it has taken nothing for too long"),
         }
     }
+
     /// Hears a word, and gives the answer as JSON, if it has one.
     async fn hear(&mut self, text: &str) -> Option<String> {
         let Ok(word) = serde_json::from_str::<Word>(text) else {
@@ -217,6 +251,10 @@ impl Page {
         self.sent.choices = 0;
         self.shared.look(self.from, vehicle);
     }
+}
+
+fn text(bytes: &Bytes) -> Message {
+    Message::Text(String::from_utf8_lossy(bytes).into_owned().into())
 }
 
 fn answered_json(id: u64, Answer { is_done, text }: &Answer) -> String {

@@ -1,4 +1,4 @@
-//! A whole flight for the page to play back: the same frames as live, one after another.
+//! A flight for the page to play back: the same frames as live, one after another.
 
 use crate::look::{LeastSoFar, Looker, Roster};
 use crate::scene::{Event, Frame, Scene};
@@ -18,7 +18,7 @@ pub struct Recording {
 
 /// What the page knows of a recording beside its frames.
 #[derive(Serialize)]
-struct Head<'a> {
+pub struct Head<'a> {
     scene: &'a Scene,
     roster: &'a Roster,
     told: &'a [Event],
@@ -51,15 +51,21 @@ impl Recording {
         self.events.push(event);
     }
 
-    /// The scene, the roster and the events, as JSON.
-    ///
-    /// # Errors
-    /// When a number of the scene is none.
-    pub fn head(&self) -> Result<String, serde_json::Error> {
-        let mut told = self.events.clone();
-        told.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    /// Changes the scene, as when plans are found further on.
+    pub fn set_scene(&mut self, change: impl FnOnce(&mut Scene)) {
+        change(&mut self.scene);
+    }
+
+    /// What is known of it beside its frames: the scene, the roster, the events, the least distances.
+    pub fn head(&mut self) -> Head<'_> {
+        self.events.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
         let least = self.looker.least(&self.last);
-        serde_json::to_string(&Head { scene: &self.scene, roster: self.looker.roster(), told: &told, least })
+        Head { scene: &self.scene, roster: self.looker.roster(), told: &self.events, least }
+    }
+
+    /// Hands out the frames since this was last called.
+    pub fn take_frames(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.frames)
     }
 
     /// The frames: each with its length before it, four bytes, little-endian.

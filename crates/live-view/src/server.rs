@@ -2,11 +2,11 @@
 
 use crate::choice::Choices;
 use crate::connections::Bounded;
-use crate::feed::Feed;
+use crate::feed::{Feed, FeedReader, feed};
 use crate::guard::{Refused, Token};
 use crate::look::{LeastSoFar, Looker};
-use crate::recording::Recording;
 use crate::scene::{Event, Frame, Scene};
+use crate::tape::Tape;
 use crate::wire::{BITS_AT, FINE_MAX, HISTORY};
 use axum::body::Bytes;
 use serde::Serialize;
@@ -102,34 +102,27 @@ impl LiveView {
         Self::serve(settings, None)
     }
 
-    /// Serves a page that plays a recording back.
+    /// Serves a page that plays a recording back, while it is still being read.
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn play(settings: &Settings, recording: Recording) -> Result<Self, ViewError> {
-        Self::serve(settings, Some(recording))
+    pub fn play(settings: &Settings, tape: Tape) -> Result<Self, ViewError> {
+        Self::serve(settings, Some(tape))
     }
 
-    fn serve(settings: &Settings, recording: Option<Recording>) -> Result<Self, ViewError> {
+    fn serve(settings: &Settings, tape: Option<Tape>) -> Result<Self, ViewError> {
         let start = |reason: String| ViewError::Start(reason);
         let asked = SocketAddr::new(settings.host, settings.port);
         let bind = |source| ViewError::Bind { address: asked, source };
         let listener = TcpListener::bind(asked).map_err(bind)?;
         listener.set_nonblocking(true).map_err(bind)?;
         let address = listener.local_addr().map_err(bind)?;
-        let recording = match recording {
-            None => None,
-            Some(recording) => {
-                let head = recording.head().map_err(|error| start(error.to_string()))?;
-                Some((head, Bytes::copy_from_slice(recording.frames())))
-            }
-        };
-        let feed = Feed::default();
+        let (feed, reader) = feed();
         let (say, words) = mpsc::channel(64);
         let shared = Arc::new(Shared {
             token: Token::new().map_err(|error| start(error.to_string()))?,
             port: address.port(),
-            recording,
+            tape,
             say,
             published: Mutex::new(Published::default()),
             news: watch::channel(0).0,
@@ -140,10 +133,10 @@ impl LiveView {
             .enable_all()
             .build()
             .map_err(|error| start(error.to_string()))?;
-        let (of_thread, feed_of_thread) = (Arc::clone(&shared), feed.clone());
+        let of_thread = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("live-view".to_owned())
-            .spawn(move || runtime.block_on(run(of_thread, feed_of_thread, listener, stopped)))
+            .spawn(move || runtime.block_on(run(of_thread, reader, listener, stopped)))
             .map_err(|error| start(error.to_string()))?;
         Ok(Self { address, feed, shared, words: Some(words), stop: Some(stop), thread: Some(thread) })
     }
@@ -199,8 +192,8 @@ impl Drop for LiveView {
 pub(crate) struct Shared {
     pub token: Token,
     pub port: u16,
-    /// Head and frames.
-    pub recording: Option<(String, Bytes)>,
+    /// What is played back, where the page is no live one.
+    pub tape: Option<Tape>,
     pub say: mpsc::Sender<Said>,
     published: Mutex<Published>,
     /// Counts looks.
@@ -247,7 +240,7 @@ impl Shared {
 }
 
 /// Looks, and serves, until it is to stop.
-async fn run(shared: Arc<Shared>, feed: Feed, listener: TcpListener, stopped: oneshot::Receiver<()>) {
+async fn run(shared: Arc<Shared>, feed: FeedReader, listener: TcpListener, stopped: oneshot::Receiver<()>) {
     let listener = match tokio::net::TcpListener::from_std(listener) {
         Ok(listener) => listener,
         Err(error) => return tracing::error!(%error, "the page cannot be served"),
@@ -265,7 +258,7 @@ async fn run(shared: Arc<Shared>, feed: Feed, listener: TcpListener, stopped: on
     served.abort();
 }
 
-async fn look_again_and_again(shared: &Shared, feed: &Feed) {
+async fn look_again_and_again(shared: &Shared, feed: &FeedReader) {
     let mut looker = Looker::default();
     let mut scene = Scene::default();
     let mut kept: Option<Instant> = None;
@@ -354,4 +347,32 @@ struct Summary<'a> {
 pub(crate) fn json(name: &str, value: &impl Serialize) -> Bytes {
     let value = serde_json::to_value(value).unwrap_or_default();
     Bytes::from(serde_json::json!({ name: value }).to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_that_stands_still_holds_up_no_flight() {
+        let view = LiveView::start(&Settings::default()).unwrap();
+        let feed = view.feed();
+        // The page's thread waits for this lock at its next look, and with it every page, stuck or not.
+        let still = view.shared.lock();
+        let scene = |tick: u32| Scene { title: format!("tick {tick}"), ..Scene::default() };
+        let mut done = 0;
+        for tick in 0..20_000 {
+            done += u32::from(feed.update(|frame| frame.time_s = f64::from(tick)));
+            feed.tell(Event { at_s: f64::from(tick), ..Event::default() });
+            feed.scene(scene(tick));
+            let _ = feed.watched();
+        }
+        assert!(done > 19_000, "only while a frame is copied is one left out: {done}");
+        drop(still);
+        let deadline = Instant::now() + Duration::from_secs(30);
+        while view.shared.lock().events.len() < 20_000 {
+            assert!(Instant::now() < deadline, "the page is told all of it afterwards");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
 }

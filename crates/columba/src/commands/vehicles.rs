@@ -6,7 +6,9 @@ use crate::args::{Cli, VehiclesArgs};
 use crate::config::{self, GROUND_PORT, Layer, PLANE, Scenario, VEHICLE_PORT};
 use crate::flying;
 use crate::view;
+use crate::view::orders::{CraftOrders, VERBS};
 use anyhow::{Context, anyhow};
+use live_view::Scene;
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{Host, HostError, HostReport, HostSettings, Observer, OldName, PortLayout, Vehicle};
 use std::io::Write;
@@ -41,9 +43,11 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
     for (index, vehicle) in vehicles.iter_mut().enumerate() {
         vehicle.ground = ground(&scenario, index);
     }
-    let view = view::open(&args.view)?;
+    let mut view = view::open(&args.view)?;
+    let verbs = VERBS.map(str::to_owned).to_vec();
+    let scene = Scene { takes_words: true, verbs, ..view::scene_of(&scenario, "columba vehicles") };
     if let Some(view) = &view {
-        view.feed().scene(view::scene_of(&scenario, "columba vehicles"));
+        view.feed().scene(scene.clone());
     }
     let report = block_on(async {
         let host = Host::bind(&settings, vehicles).map_err(|error| match error {
@@ -63,13 +67,14 @@ pub fn vehicles(cli: &Cli, args: &VehiclesArgs) -> Result<(), Failure> {
             out.write_all(words.as_bytes()).and_then(|()| out.flush()).context("cannot print the table of vehicles")?;
         }
         let observer: Observer = match &view {
-            Some(view) => {
-                let scene = view::scene_of(&scenario, "columba vehicles");
-                view::watch_vehicles(view.feed(), scene, Arc::new(|_| {}), speed)
-            }
+            Some(view) => view::watch_vehicles(view.feed(), scene, Arc::new(|_| {}), speed),
             None => Arc::new(|_| {}),
         };
-        Ok(host.run(observer, stop).await?)
+        let orders = CraftOrders::of(&host, view.as_mut()).await.context("--view")?;
+        tokio::select! {
+            report = host.run(observer, stop) => Ok(report?),
+            never = orders.obey() => match never {},
+        }
     })?;
     tracing::info!(wire = ?report.wire, "vehicles stopped");
     tell_speed(&report);

@@ -7,10 +7,9 @@ use crate::station::shell;
 use crate::view::listen::{self, Asks};
 use crate::view::{self, tlog};
 use anyhow::{Context, anyhow};
-use live_view::{LiveView, Scene};
+use live_view::{LiveView, Scene, Tape};
 use mavlink_bridge::ImpairmentSettings;
 use mavlink_bridge::link::{Connection, LinkSpec, Links};
-use std::path::Path;
 
 /// Where autopilots and ground stations send telemetry by default.
 const DEFAULT_LINK: &str = "udpin:127.0.0.1:14550";
@@ -51,25 +50,24 @@ fn watch_links(args: &WatchArgs) -> Result<(), Failure> {
 
 fn play_logs(args: &WatchArgs) -> Result<(), Failure> {
     let mut stop = stop_on_signal()?;
-    let mut logs: Vec<(&Path, tlog::Log)> = Vec::new();
+    let mut logs: Vec<(String, tlog::Log)> = Vec::new();
     for path in &args.logs {
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let frame = logs.iter().find_map(|(_, log)| log.frame());
-        let log = tlog::Log::read(&bytes, frame);
-        if log.vehicles() == 0 {
-            return Err(anyhow!(
-                "{}: must be a telemetry log (tlog) of at least one autopilot: it has {} records of MAVLink",
-                path.display(),
-                log.records
-            )
-            .into());
-        }
-        logs.push((path, log));
+        let name = path.display().to_string();
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {name}"))?;
+        let log = tlog::Log::open(bytes).map_err(|error| anyhow!("{name}: {error}"))?;
+        logs.push((name, log));
     }
-    let names: Vec<String> = args.logs.iter().map(|path| path.display().to_string()).collect();
+    let names: Vec<&str> = logs.iter().map(|(name, _)| name.as_str()).collect();
     let scene = Scene { title: names.join(", "), source: "columba view".to_owned(), ..Scene::default() };
-    let page = LiveView::play(&view::settings(&args.view)?, tlog::recording(&mut logs, scene))?;
+    let tape = Tape::default();
+    let page = LiveView::play(&view::settings(&args.view)?, tape.clone())?;
     view::tell_address(&page);
+    let read = move || {
+        if let Err(error) = tlog::play(logs, scene, &tape) {
+            tracing::error!(%error, "the logs cannot be played further");
+        }
+    };
+    std::thread::Builder::new().name("log-reader".to_owned()).spawn(read).context("cannot read the logs")?;
     block_on(async {
         stopped(&mut stop).await;
         Ok(())

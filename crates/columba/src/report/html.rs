@@ -53,7 +53,7 @@ fn replay(flight: &Flight) -> Result<String, serde_json::Error> {
     if flight.trajectory.ticks.is_empty() {
         return Ok("  <p>The flight ended before its first tick: there is nothing to replay.</p>".to_owned());
     }
-    let page = escape(&live_view::assets::page_of(&recording(flight))?);
+    let page = escape(&live_view::assets::page_of(&mut recording(flight))?);
     let thinned = match stride(flight) {
         1 => String::new(),
         stride => format!("\n  <p class=\"sub\">The flight is long: the replay has one of every {stride} ticks.</p>"),

@@ -104,9 +104,9 @@ mod tests {
     #[test]
     fn a_flight_is_played_tick_by_tick_with_its_own_least_distances() {
         let flight = sample::flight(3, 2, 5);
-        let recording = recording(&flight);
+        let mut recording = recording(&flight);
         assert_eq!((stride(&flight), frames(&recording)), (1, 5));
-        let head: serde_json::Value = serde_json::from_str(&recording.head().unwrap()).unwrap();
+        let head: serde_json::Value = serde_json::to_value(recording.head()).unwrap();
         assert_eq!(head["scene"]["circles"].as_array().unwrap().len(), 2);
         assert_eq!(head["least"]["separation"]["value_m"].as_f64(), flight.summary.min_separation_m);
         assert_eq!(head["least"]["is_of_flight"], true);

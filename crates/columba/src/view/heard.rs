@@ -230,7 +230,8 @@ pub fn free_number(system: u32, is_taken: impl Fn(u32) -> bool) -> u32 {
     (0..).map(|others| system + 1000 * others).find(|&number| !is_taken(number)).unwrap_or(system)
 }
 
-fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
+/// Whether a heartbeat is that of an autopilot, not of a ground station or a part of a vehicle.
+pub fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
     heartbeat.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID
         && !matches!(
             heartbeat.mavtype,

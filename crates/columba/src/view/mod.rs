@@ -7,6 +7,7 @@ mod flock;
 mod heard;
 mod heard_plans;
 pub mod listen;
+pub mod orders;
 mod plans;
 mod read_plans;
 mod scene;
