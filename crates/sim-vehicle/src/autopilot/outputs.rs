@@ -42,7 +42,7 @@ impl Autopilot {
             return Err(CommandError::failed(format!("There is no servo {servo}")).quietly());
         }
         let index = usize::from(servo) - 1;
-        if index < OWN || index >= SERVOS || !self.is_free(servo) {
+        if !(OWN..SERVOS).contains(&index) || !self.is_free(servo) {
             let reason = format!("ServoRelayEvent: Channel {servo} is already in use");
             return Err(CommandError::failed(reason).quietly());
         }
