@@ -11,7 +11,7 @@ use crate::flying::{self, GroundStation, GroundTruth, Lockstep, Progress, RealTi
 use crate::identify::flight::StepFlight;
 use crate::record::RunFolder;
 use crate::station::frames::Origin;
-use crate::station::vehicle::Route;
+use crate::station::vehicle::routes::Route;
 use crate::station::{self, Station, shell};
 use crate::view::{self, FlockView, StationView};
 use anyhow::{Context, anyhow};

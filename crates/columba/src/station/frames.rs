@@ -1,5 +1,6 @@
 //! One frame for all: the scenario's, in which every vehicle's position is told, with altitudes above mean sea level.
 
+use super::number;
 use super::vehicle::Vehicle;
 use flight_model::{Geodetic, LocalFrame};
 
@@ -57,8 +58,8 @@ pub fn choose(
     origin: Origin,
     vehicles: &[Vehicle],
 ) -> Result<(LocalFrame, Option<String>), String> {
-    let home = |vehicle: &Vehicle| vehicle.home.or_else(|| vehicle.place());
-    let first = vehicles.iter().find(|vehicle| vehicle.slot == Some(0)).and_then(home);
+    let home = |vehicle: &Vehicle| vehicle.heard().home.or_else(|| vehicle.heard().place());
+    let first = vehicles.iter().find(|vehicle| vehicle.slot() == Some(0)).and_then(home);
     let at_home = || first.map(LocalFrame::new).ok_or("the first vehicle has no home yet".to_owned());
     let frame = match origin {
         Origin::Given(place) => LocalFrame::new(place),
@@ -66,10 +67,10 @@ pub fn choose(
         Origin::Scenario => *scenario,
     };
     let far = |frame: &LocalFrame| {
-        vehicles.iter().filter(|vehicle| vehicle.slot.is_some()).find_map(|vehicle| {
-            let (x_m, y_m, _) = frame.to_local(&vehicle.place()?);
+        vehicles.iter().find_map(|vehicle| {
+            let (x_m, y_m, _) = frame.to_local(&vehicle.heard().place()?);
             let distance_m = (x_m * x_m + y_m * y_m).sqrt();
-            (distance_m > FAR_M).then_some((vehicle.slot.unwrap_or(0) + 1, distance_m))
+            (distance_m > FAR_M).then_some((number(vehicle.slot()?), distance_m))
         })
     };
     let Some((number, distance_m)) = far(&frame) else {
@@ -97,21 +98,21 @@ pub fn choose(
 pub fn contradictions(frame: &LocalFrame, expected_altitude_m: f64, vehicles: &[Vehicle]) -> Vec<String> {
     let mut faults = Vec::new();
     let expected_amsl_m = frame.origin().altitude_amsl_m + expected_altitude_m;
-    for vehicle in vehicles.iter().filter(|vehicle| vehicle.slot.is_some()) {
-        let number = vehicle.slot.unwrap_or(0) + 1;
-        if vehicle.is_doubled {
+    for vehicle in vehicles {
+        let Some(number) = vehicle.slot().map(number) else { continue };
+        if vehicle.routes().is_doubled() {
             faults.push(format!(
                 "two autopilots speak with system id {}: each must have its own (MAV_SYSID, SYSID_THISMAV, MAV_SYS_ID)",
                 vehicle.id()
             ));
         }
-        if let Some(off_m) = vehicle.contradiction_m().filter(|off_m| *off_m > CONTRADICTION_M) {
+        if let Some(off_m) = vehicle.heard().contradiction_m().filter(|off_m| *off_m > CONTRADICTION_M) {
             faults.push(format!(
                 "vehicle {number} contradicts itself: its global and its local position, from its own origin, are \
                  {off_m:.0} m apart"
             ));
         }
-        if let Some(home) = vehicle.home
+        if let Some(home) = vehicle.heard().home
             && expected_amsl_m - home.altitude_amsl_m < HEIGHT_MIN_M
         {
             faults.push(format!(
@@ -132,7 +133,7 @@ fn words(place: &Geodetic) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink_bridge::dialect::{GLOBAL_POSITION_INT_DATA, Message};
+    use mavlink_bridge::dialect::{GLOBAL_POSITION_INT_DATA, HOME_POSITION_DATA, Message};
     use std::time::Duration;
 
     const CANBERRA: Geodetic = Geodetic { latitude_deg: -35.363262, longitude_deg: 149.165237, altitude_amsl_m: 584.0 };
@@ -140,7 +141,14 @@ mod tests {
 
     fn vehicle(slot: usize, place: Geodetic, frame: &LocalFrame) -> Vehicle {
         let mut vehicle = Vehicle::new(slot as u8 + 1, 1);
-        (vehicle.slot, vehicle.home) = (Some(slot), Some(place));
+        vehicle.take_slot(Some(slot));
+        let home = HOME_POSITION_DATA {
+            latitude: (place.latitude_deg * 1e7).round() as i32,
+            longitude: (place.longitude_deg * 1e7).round() as i32,
+            altitude: (place.altitude_amsl_m * 1e3) as i32,
+            ..HOME_POSITION_DATA::DEFAULT
+        };
+        vehicle.hear(&Message::HOME_POSITION(home), Duration::from_secs(1), frame);
         let data = GLOBAL_POSITION_INT_DATA {
             time_boot_ms: 1000,
             lat: (place.latitude_deg * 1e7).round() as i32,
@@ -157,7 +165,7 @@ mod tests {
         let frame = LocalFrame::new(CANBERRA);
         let there = frame.to_geodetic(0.0, 300.0, 0.0);
         let vehicles = [vehicle(0, CANBERRA, &frame), vehicle(1, there, &frame)];
-        let state = |vehicle: &Vehicle| vehicle.track.last().unwrap().state;
+        let state = |vehicle: &Vehicle| vehicle.track().last().unwrap().state;
         let (a, b) = (state(&vehicles[0]), state(&vehicles[1]));
         assert!(((b.y_m - a.y_m) - 300.0).abs() < 0.02 && (b.x_m - a.x_m).abs() < 0.02);
         assert_eq!(choose(&frame, true, Origin::Scenario, &vehicles), Ok((frame, None)));

@@ -4,7 +4,7 @@
 //! A distance is judged only where both tracks are known: between two samples that were heard. Time of which nothing
 //! was heard is counted as unseen, and never judged.
 
-use super::track::{Track, distance_m, velocity_mps};
+use super::vehicle::track::{Track, distance_m, velocity_mps};
 use crate::judge::{
     ALTITUDE_TOLERANCE_M, COLLISION_DISTANCE_M, COURSE_TOLERANCE_RAD, Least, SPEED_TOLERANCE_MPS, Verdict,
 };
@@ -253,7 +253,7 @@ impl Ground {
 
 #[cfg(test)]
 mod tests {
-    use super::super::track::Sample;
+    use super::super::vehicle::track::Sample;
     use super::*;
 
     const EXPECTED: Expected = Expected { speed_mps: 20.0, course_rad: 0.0, altitude_m: 50.0 };

@@ -1,55 +1,44 @@
 //! The ground station: from the ground to the ground with real autopilots.
 //!
 //! [`Station`] is sans-I/O: it takes the frames that arrive and the time, and gives the messages to send. A flight goes
-//! through phases, a file each: [connect], [preflight], [arm_takeoff], [gather_phase], [handover], [fly], [end]. What
-//! is said of the flight rests on telemetry alone ([judge]), and is told once ([told]). The sockets, the terminal and
-//! the files are in [shell] and [record].
+//! through phases ([phase]), which share how a vehicle is steered (`control.rs`). What is known of a vehicle, and only
+//! that, is in [vehicle]. What is said of the flight rests on telemetry alone ([judge]), and is told once ([told]). The
+//! sockets, the terminal and the files are in [shell] and [record].
 
-pub mod arm_takeoff;
-pub mod connect;
 mod control;
-pub mod end;
-pub mod fly;
 pub mod frames;
-pub mod gather;
-pub mod gather_phase;
-pub mod handover;
 pub mod judge;
-pub mod limits;
 pub mod operator;
 pub mod outcome;
 pub mod peers;
-pub mod preflight;
+pub mod phase;
 pub mod record;
 pub mod shell;
 pub mod table;
-pub mod telemetry;
+mod telemetry;
 pub mod told;
-pub mod track;
 pub mod vehicle;
 mod words;
 
 use crate::config::Scenario;
 use crate::identify::flight::StepFlight;
 use controller::Obstacle;
-use flight_model::{Limits, LocalFrame, Setpoint, State};
+use flight_model::{Limits, LocalFrame};
 use frames::Origin;
 use mavlink_bridge::dialect::{COMMAND_ACK_DATA, MavAutopilot, MavCmd, MavResult, MavType, Message};
-use mavlink_bridge::kind::{AtEnd, Situation};
-use mavlink_bridge::telemetry::ground_heartbeat;
+use mavlink_bridge::kind::AtEnd;
 use mavlink_bridge::{Counters, Frame, Header, SequenceTracker};
 use operator::Verb;
-use std::collections::BTreeSet;
+use phase::Phase;
+use phase::connect::Connect;
+use phase::fly::Flown;
 use std::time::Duration;
 use told::{Told, Weight};
-use vehicle::{Order, Route, Trust, Vehicle};
+use vehicle::Vehicle;
+use vehicle::routes::Route;
 
 /// MAVLink ids of a ground station (MAV_COMP_ID_MISSIONPLANNER), as autopilots expect them.
 pub const GROUND: (u8, u8) = (255, 190);
-/// The station's heartbeat, and its question for the time.
-const BEAT: Duration = Duration::from_secs(1);
-/// An order that is not followed is given again after this.
-const ORDER_AGAIN: Duration = Duration::from_millis(1000);
 /// A vehicle whose last position is older than this is stale: nobody knows where it is, s.
 pub const STALE_S: f64 = 1.5;
 /// A vehicle that is not heard for so long is lost, s.
@@ -101,15 +90,15 @@ pub struct Station {
     /// Settings.
     pub settings: Settings,
     /// The scenario's frame, where the vehicles are.
-    pub frame: LocalFrame,
+    frame: LocalFrame,
     /// Limits within which the whole flock flies, narrowed to what every vehicle allows.
-    pub limits: Limits,
+    limits: Limits,
     /// The scenario's vehicles in their order, then strangers.
-    pub vehicles: Vec<Vehicle>,
+    vehicles: Vec<Vehicle>,
     /// What was told.
     pub told: Told,
     /// Lines of the record that wait to be written.
-    pub journal: Vec<serde_json::Value>,
+    journal: Vec<serde_json::Value>,
     phase: Phase,
     stop: Option<Stop>,
     verbs: Vec<Verb>,
@@ -132,43 +121,6 @@ pub struct Stop {
     pub wished: bool,
 }
 
-/// Where the flight is.
-#[allow(clippy::large_enum_variant)] // there is one
-pub enum Phase {
-    /// Waits for vehicles.
-    Connect(connect::Connect),
-    /// Waits until they are ready.
-    Preflight(preflight::Preflight),
-    /// Arms them, and lets them take off.
-    TakeOff(arm_takeoff::TakeOff),
-    /// Brings them to their starts.
-    Gather(gather_phase::GatherPhase),
-    /// Brings them into the mode in which they follow setpoints.
-    HandOver(handover::HandOver),
-    /// The flock flies.
-    Fly(Box<fly::Fly>),
-    /// Leaves every vehicle as it is to be left.
-    End(Box<end::End>),
-    /// All is said.
-    Over(Option<Box<fly::Fly>>),
-}
-
-impl Phase {
-    /// Its name.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Connect(_) => "connect",
-            Self::Preflight(_) => "pre-flight",
-            Self::TakeOff(_) => "take-off",
-            Self::Gather(_) => "gather",
-            Self::HandOver(_) => "hand over",
-            Self::Fly(_) => "fly",
-            Self::End(_) => "end",
-            Self::Over(_) => "over",
-        }
-    }
-}
-
 impl Station {
     /// A station for a scenario; nobody is heard yet. `clock` only times the solves.
     pub fn new(scenario: Scenario, settings: Settings, clock: SolveClock) -> Self {
@@ -180,7 +132,7 @@ impl Station {
             vehicles: Vec::new(),
             told: Told::default(),
             journal: Vec::new(),
-            phase: Phase::Connect(connect::Connect::default()),
+            phase: Phase::Connect(Connect::default()),
             stop: None,
             verbs: Vec::new(),
             outbox: Vec::new(),
@@ -197,9 +149,40 @@ impl Station {
         &self.phase
     }
 
+    /// The scenario's vehicles in their order, then strangers.
+    pub fn vehicles(&self) -> &[Vehicle] {
+        &self.vehicles
+    }
+
+    /// Puts the scenario's frame where the vehicles are: positions in another one mean nothing any more.
+    fn set_frame(&mut self, frame: LocalFrame) {
+        if frame != self.frame {
+            self.frame = frame;
+            self.vehicles.iter_mut().for_each(Vehicle::forget_track);
+        }
+    }
+
+    /// Keeps a line for the record.
+    fn write(&mut self, line: serde_json::Value) {
+        self.journal.push(line);
+    }
+
+    /// The lines of the record that wait to be written.
+    pub fn take_journal(&mut self) -> Vec<serde_json::Value> {
+        std::mem::take(&mut self.journal)
+    }
+
     /// Whether all is said.
     pub fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Over(_))
+    }
+
+    /// The flight of which all is said, if there was one.
+    fn take_flown(&mut self) -> Option<Flown> {
+        match std::mem::replace(&mut self.phase, Phase::Over(None)) {
+            Phase::Over(fly) => fly.map(|fly| fly.into_flown()),
+            _ => None,
+        }
     }
 
     /// The flight is to end.
@@ -263,42 +246,30 @@ impl Station {
         }
         let Some(index) = self.recognise(&header, &message, now) else { return };
         let local_frame = self.frame;
-        let is_flying = !matches!(self.phase, Phase::Connect(_) | Phase::Preflight(_));
+        let is_flying = !self.phase.is_before_take_off();
         let Some(vehicle) = self.vehicles.get_mut(index) else { return };
-        if header.component_id != vehicle.target.component_id {
+        if header.component_id != vehicle.target().component_id {
             return; // a camera, a gimbal, a companion computer
         }
-        let was = (vehicle.armed, vehicle.custom_mode);
         if !vehicle.owns(&message, route, is_flying, now) {
-            let text = "another autopilot speaks with its system id, by another way: nothing of that is taken";
-            if vehicle.routes.get(&route).is_some_and(|state| state.trust == Trust::Other) {
+            if vehicle.routes().is_anothers(route) {
+                let text = "another autopilot speaks with its system id, by another way: nothing of that is taken";
                 self.tell_once(index, "doubled", Weight::Warning, text, now);
             }
             return;
         }
-        vehicle.streams.entry(header.message_id).or_default().heard += 1;
-        match &message {
-            Message::TIMESYNC(data) => {
-                if let Some(trip) = telemetry::round_trip(data, now) {
-                    if let Some(state) = vehicle.routes.get_mut(&route) {
-                        state.round_trip = Some(trip);
-                    }
-                    vehicle.clock.round_trip(trip, now);
-                }
-            }
-            message => {
-                vehicle.hear(message, now, &local_frame);
-            }
+        let was = (vehicle.heard().armed, vehicle.heard().custom_mode);
+        vehicle.count_message(header.message_id);
+        vehicle.hear(&message, now, &local_frame);
+        if was != (vehicle.heard().armed, vehicle.heard().custom_mode) {
+            let (armed, mode) = (vehicle.heard().armed, vehicle.mode_name());
+            tracing::debug!(system = vehicle.id(), armed, mode, "state");
         }
-        if let (Message::STATUSTEXT(_), Some((_, text))) = (&message, vehicle.texts.back()) {
-            let (number, text) = (vehicle.slot.map(number), text.clone());
-            if let Some(weight) = words::of_failsafe(&text) {
-                self.told.once(now.as_secs_f64(), number, &text, weight, format!("says: {text}"));
-            }
-        }
-        let vehicle = &self.vehicles[index];
-        if was != (vehicle.armed, vehicle.custom_mode) {
-            tracing::debug!(system = vehicle.id(), armed = vehicle.armed, mode = vehicle.mode_name(), "state");
+        if let (Message::STATUSTEXT(_), Some(text)) = (&message, vehicle.heard().last_words())
+            && let Some(weight) = words::of_failsafe(text)
+        {
+            let number = vehicle.slot().map(number);
+            self.told.once(now.as_secs_f64(), number, text, weight, format!("says: {text}"));
         }
     }
 
@@ -307,13 +278,12 @@ impl Station {
     pub fn count(&mut self, frame: &Frame<'_>, sequence: &mut SequenceTracker, counters: &mut Counters) {
         let header = &frame.header;
         let is_sender = |vehicle: &&mut Vehicle| {
-            (vehicle.id(), vehicle.target.component_id) == (header.system_id, header.component_id)
+            (vehicle.id(), vehicle.target().component_id) == (header.system_id, header.component_id)
         };
         let Some(vehicle) = self.vehicles.iter_mut().find(is_sender) else { return };
         let before = counters.lost;
         sequence.observe(frame, counters);
-        vehicle.frames[0] += counters.lost - before;
-        vehicle.frames[1] += 1;
+        vehicle.count_frame(counters.lost - before);
     }
 
     /// Does what is due; call it every few hundredths of a second.
@@ -322,18 +292,9 @@ impl Station {
         self.keep_house(now);
         let phase = std::mem::replace(&mut self.phase, Phase::Over(None));
         let before = phase.name();
-        self.phase = match phase {
-            Phase::Connect(phase) => phase.step(self, now),
-            Phase::Preflight(phase) => phase.step(self, now),
-            Phase::TakeOff(phase) => phase.step(self, now),
-            Phase::Gather(phase) => phase.step(self, now),
-            Phase::HandOver(phase) => phase.step(self, now),
-            Phase::Fly(phase) => phase.step(self, now),
-            Phase::End(phase) => phase.step(self, now),
-            Phase::Over(fly) => Phase::Over(fly),
-        };
+        self.phase = phase.step(self, now);
         if self.phase.name() != before {
-            self.journal.push(serde_json::json!({"phase": self.phase.name(), "at_s": now.as_secs_f64()}));
+            self.write(serde_json::json!({"phase": self.phase.name(), "at_s": now.as_secs_f64()}));
         }
     }
 
@@ -355,7 +316,7 @@ impl Station {
 
     /// The indices of the scenario's vehicles.
     pub fn crew(&self) -> std::ops::Range<usize> {
-        0..self.vehicles.iter().take_while(|vehicle| vehicle.slot.is_some()).count()
+        0..self.vehicles.iter().take_while(|vehicle| vehicle.slot().is_some()).count()
     }
 
     /// The operator's command in a message, if it is for the station.
@@ -408,128 +369,9 @@ impl Station {
         Some(self.vehicles.len() - 1)
     }
 
-    /// Heartbeats, questions for the time, requests for telemetry.
-    fn keep_house(&mut self, now: Duration) {
-        if self.beat.is_none_or(|beat| now.saturating_sub(beat) >= BEAT) {
-            self.beat = Some(now);
-            let mut routes: BTreeSet<Route> = self.settings.calls.iter().copied().collect();
-            routes.extend(self.vehicles.iter().flat_map(|vehicle| vehicle.routes.keys().copied()));
-            for route in routes {
-                let mut messages = vec![ground_heartbeat()];
-                let here = self.vehicles.iter().filter(|vehicle| vehicle.routes.contains_key(&route));
-                messages.extend(here.map(|vehicle| telemetry::time_request(vehicle, now)));
-                self.outbox.push(Outgoing { route, messages });
-            }
-        }
-        for index in 0..self.vehicles.len() {
-            let Some(route) = self.vehicles[index].route() else { continue };
-            let capacity = self.settings.capacities.get(route.link).copied().flatten();
-            let sharing = self.vehicles.iter().filter(|vehicle| vehicle.routes.contains_key(&route)).count();
-            let position_hz = telemetry::position_hz(capacity, sharing);
-            let messages = telemetry::ask(&mut self.vehicles[index], position_hz, capacity.is_some(), now);
-            if !messages.is_empty() {
-                if capacity.is_some() {
-                    let vehicle = self.vehicles[index].slot.map(number);
-                    let text = "its link is slow: streams that are not needed are silenced";
-                    self.told.once(now.as_secs_f64(), vehicle, "silenced", Weight::Note, text);
-                }
-                if position_hz < telemetry::POSITION_HZ {
-                    let vehicle = self.vehicles[index].slot.map(number);
-                    let text = format!("positions at {position_hz:.1} Hz: that is what its link carries");
-                    self.told.once(now.as_secs_f64(), vehicle, "slow link", Weight::Note, text);
-                }
-                self.outbox.push(Outgoing { route, messages });
-            }
-        }
-    }
-
-    /// The rate at which positions of a vehicle are to come, Hz.
-    pub fn position_hz(&self, index: usize) -> f64 {
-        let Some(route) = self.vehicles.get(index).and_then(Vehicle::route) else { return telemetry::POSITION_HZ };
-        let capacity = self.settings.capacities.get(route.link).copied().flatten();
-        let sharing = self.vehicles.iter().filter(|vehicle| vehicle.routes.contains_key(&route)).count();
-        telemetry::position_hz(capacity, sharing)
-    }
-
-    /// Sends messages to a vehicle by its freshest way.
-    pub fn send(&mut self, index: usize, messages: Vec<Message>) {
-        if let Some(route) = self.vehicles.get(index).and_then(Vehicle::route)
-            && !messages.is_empty()
-        {
-            self.outbox.push(Outgoing { route, messages });
-        }
-    }
-
-    /// Gives an order for a purpose, and again while it is not followed; never in a dry run.
-    pub fn order(&mut self, index: usize, purpose: &'static str, message: Message, now: Duration) {
-        if self.settings.dry_run {
-            return;
-        }
-        let Some(vehicle) = self.vehicles.get_mut(index) else { return };
-        let is_due = vehicle
-            .orders
-            .get(purpose)
-            .is_none_or(|order| order.message != message || now.saturating_sub(order.sent) >= ORDER_AGAIN);
-        if !is_due {
-            return;
-        }
-        let command = match &message {
-            Message::COMMAND_LONG(data) => data.command as u32,
-            Message::COMMAND_INT(data) => data.command as u32,
-            _ => 0,
-        };
-        let before = vehicle.orders.get(purpose).filter(|order| order.message == message);
-        let (tries, answer) = before.map_or((0, None), |order| (order.tries, order.answer.clone()));
-        vehicle
-            .orders
-            .insert(purpose, Order { command, sent: now, tries: tries + 1, answer, message: message.clone() });
-        self.send(index, vec![message]);
-    }
-
-    /// Where a vehicle is now: its last position, moved on at its velocity; none when that is stale.
-    pub fn state_now(&self, index: usize, now: Duration) -> Option<State> {
-        let now_s = now.as_secs_f64();
-        let (state, age_s) = self.vehicles.get(index)?.track.carried_to(now_s, STALE_S)?;
-        (age_s <= STALE_S).then_some(state)
-    }
-
-    /// The speed to be sent for a setpoint, with wind and thin air, and the nearest one that the vehicle takes, m/s.
-    fn speeds_to_send_mps(&self, index: usize, setpoint: &Setpoint) -> (f64, f64) {
-        let Some(vehicle) = self.vehicles.get(index) else { return (setpoint.speed_mps, setpoint.speed_mps) };
-        let asked_mps = vehicle.present.speed_to_send_mps(setpoint);
-        let limits = vehicle.limits.unwrap_or_default();
-        match (limits.speed_min_mps, limits.speed_max_mps) {
-            (Some(least), Some(greatest)) if limits.speeds_are_air && least <= greatest => {
-                (asked_mps, asked_mps.clamp(least, greatest))
-            }
-            _ => (asked_mps, asked_mps),
-        }
-    }
-
-    /// The messages that ask a vehicle for a setpoint, by its kind's encoder.
-    pub fn encode(&self, index: usize, setpoint: &Setpoint, now: Duration) -> Option<Vec<Message>> {
-        let vehicle = self.vehicles.get(index)?;
-        let (_, speed_mps) = self.speeds_to_send_mps(index, setpoint);
-        let situation = Situation {
-            state: self.state_now(index, now)?,
-            frame: &self.frame,
-            local_origin_amsl_m: vehicle.local_origin_amsl_m,
-            limits: &vehicle.present.dynamics().limits,
-            airspeed_excess_mps: speed_mps - setpoint.speed_mps,
-            now,
-        };
-        match vehicle.driver()?.setpoint(vehicle.target, setpoint, &situation) {
-            Ok(messages) => Some(messages),
-            Err(error) => {
-                tracing::debug!(system = vehicle.id(), %error, "setpoint not sent");
-                None
-            }
-        }
-    }
-
     /// Tells something about a vehicle once.
     pub fn tell_once(&mut self, index: usize, what: &str, weight: Weight, text: impl Into<String>, now: Duration) {
-        let slot = self.vehicles.get(index).and_then(|vehicle| vehicle.slot).map(number);
+        let slot = self.vehicles.get(index).and_then(Vehicle::slot).map(number);
         self.told.once(now.as_secs_f64(), slot, what, weight, text);
     }
 

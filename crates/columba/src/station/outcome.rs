@@ -1,34 +1,40 @@
 //! What a flight came to: the same value that a simulated flight leaves, from telemetry alone.
 
+use super::phase::fly::log::{Logged, UNKNOWN};
+use super::phase::fly::{Flown, Timing};
 use super::told::Weight;
 use super::{Station, number};
 use crate::flight::{Flight, Row, Summary, Tick, Trajectory};
-use crate::flying::{self, Solves, field, judged, settings};
+use crate::flying::{self, field, judged, settings};
 use crate::judge::Verdict;
 use crate::prediction::with_prediction;
-use flight_model::{Setpoint, State};
+use flight_model::Setpoint;
 use serde_json::json;
 use std::time::Duration;
+
+/// A vehicle that was not seen for longer is told as lost, s.
+const UNSEEN_TOLD_S: f64 = 3.0;
 
 /// The flight as it is to be written. `links` are the counters of the links.
 pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) -> Flight {
     let now_s = wall.as_secs_f64();
-    let fly = match std::mem::replace(&mut station.phase, super::Phase::Over(None)) {
-        super::Phase::Over(fly) => fly,
-        _ => None,
+    let flown = station.take_flown();
+    let (completed, timing, logged) = match flown {
+        Some(Flown { completed, timing, logged }) => (completed, Some(timing), Some(logged)),
+        None => (false, None, None),
     };
-    let unseen = fly.as_ref().map(|fly| fly.judge.unseen_s().to_vec()).unwrap_or_default();
-    for (index, unseen_s) in unseen.iter().enumerate().filter(|(_, unseen_s)| **unseen_s > 3.0) {
+    let unseen_s = logged.as_ref().map_or(&[][..], |logged| &logged.unseen_s);
+    for (index, unseen_s) in unseen_s.iter().enumerate().filter(|(_, unseen_s)| **unseen_s > UNSEEN_TOLD_S) {
         let text = format!("was not seen for {unseen_s:.1} s of the flight");
         station.told.once(now_s, Some(number(index)), "lost", Weight::Fault, text);
     }
-    let verdict = fly.as_ref().map(|fly| fly.judge.verdict()).unwrap_or_default();
-    let grounds = fly.as_ref().map(|fly| fly.judge.grounds());
-    let completed = fly.as_ref().is_some_and(|fly| fly.completed);
-    let timing = fly.as_ref().map(|fly| (fly.ticks(), fly.late_ticks, fly.worst_late_s));
-    let (mut solves, trajectory) = match fly {
-        Some(fly) => (fly.solves, fly.trajectory),
-        None => (Solves::default(), on_the_spot(&station)),
+    let vehicles = vehicles(&station, unseen_s);
+    let grounds = logged.as_ref().map(|logged| logged.grounds);
+    let present = timing.as_ref().map_or(serde_json::Value::Null, |timing| present(&station, timing));
+    let mut solves = timing.map(|timing| timing.solves).unwrap_or_default();
+    let (verdict, trajectory) = match logged {
+        Some(Logged { verdict, trajectory, .. }) => (verdict, trajectory),
+        None => (Verdict::default(), on_the_spot(&station)),
     };
     let duration_s = trajectory.ticks.last().map_or(0.0, |tick| tick.t_s);
     let stop = station.stopped().cloned();
@@ -49,12 +55,10 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
         wall_s: now_s,
         real_time_factor: if now_s > 0.0 { duration_s / now_s } else { 0.0 },
         link: links,
-        present: timing.map_or(serde_json::Value::Null, |(ticks, late_ticks, worst_late_s)| {
-            present(&station, ticks, late_ticks, worst_late_s)
-        }),
+        present,
         station: json!({
             "events": station.told.events(),
-            "vehicles": vehicles(&station, &unseen),
+            "vehicles": vehicles,
             "at_end": station.settings.at_end,
             "separation_rests_on": grounds.map(|grounds| grounds[0]),
             "clearance_rests_on": grounds.map(|grounds| grounds[1]),
@@ -94,35 +98,36 @@ fn failure(station: &Station, verdict: &Verdict, completed: bool, duration_s: f6
 fn vehicles(station: &Station, unseen: &[f64]) -> Vec<serde_json::Value> {
     let describe = |index: usize| {
         let vehicle = &station.vehicles[index];
-        let delay_s = vehicle.clock.delay_s();
+        let (clock, wind_mps) = (vehicle.clock(), vehicle.present().wind_mps());
+        let (came, lost) = vehicle.frames();
         json!({
             "vehicle": number(index),
             "system_id": vehicle.id(),
             "autopilot": vehicle.driver().map(|driver| driver.kind().name()),
-            "version": vehicle.version.map(|version| version.to_string()),
-            "uid": vehicle.uid,
+            "version": vehicle.version().map(|version| version.to_string()),
+            "uid": vehicle.uid(),
             "mode": vehicle.mode_name(),
-            "armed": vehicle.armed,
-            "released": vehicle.released,
+            "armed": vehicle.heard().armed,
+            "released": vehicle.custody().released(),
             "unseen_s": unseen.get(index),
-            "delay_ms": delay_s.map(|delay_s| delay_s * 1e3),
-            "jitter_ms": vehicle.clock.jitter_s().map(|jitter_s| jitter_s * 1e3),
-            "clock_drift": vehicle.clock.drift(),
-            "wind_north_mps": vehicle.present.wind_mps().map(|wind| wind.x),
-            "wind_east_mps": vehicle.present.wind_mps().map(|wind| wind.y),
-            "battery_percent": vehicle.battery_percent,
-            "frames": vehicle.frames[1],
-            "frames_lost": vehicle.frames[0],
-            "limits": vehicle.limits,
+            "delay_ms": clock.delay_s().map(|delay_s| delay_s * 1e3),
+            "jitter_ms": clock.jitter_s().map(|jitter_s| jitter_s * 1e3),
+            "clock_drift": clock.drift(),
+            "wind_north_mps": wind_mps.map(|wind| wind.x),
+            "wind_east_mps": wind_mps.map(|wind| wind.y),
+            "battery_percent": vehicle.heard().battery_percent,
+            "frames": came,
+            "frames_lost": lost,
+            "limits": vehicle.limits(),
         })
     };
     station.crew().map(describe).collect()
 }
 
 /// What was known of the present: the same names as of a flight by `columba run`.
-fn present(station: &Station, ticks: u64, late_ticks: u64, worst_late_s: f64) -> serde_json::Value {
+fn present(station: &Station, timing: &Timing) -> serde_json::Value {
     let describe = |index: usize| {
-        let (clock, present) = (&station.vehicles[index].clock, &station.vehicles[index].present);
+        let (clock, present) = (station.vehicles[index].clock(), station.vehicles[index].present());
         let foreseen = present.foreseen_error_m();
         let jitter_s = clock.jitter_s().unwrap_or(0.0);
         json!({
@@ -137,25 +142,22 @@ fn present(station: &Station, ticks: u64, late_ticks: u64, worst_late_s: f64) ->
         })
     };
     let vehicles: Vec<serde_json::Value> = station.crew().map(describe).collect();
-    json!({ "ticks": ticks, "late_ticks": late_ticks, "worst_late_s": worst_late_s, "vehicles": vehicles })
+    json!({
+        "ticks": timing.ticks,
+        "late_ticks": timing.late_ticks,
+        "worst_late_s": timing.worst_late_s,
+        "vehicles": vehicles,
+    })
 }
 
 /// A flight that did not begin: one tick, with where the vehicles stand.
 fn on_the_spot(station: &Station) -> Trajectory {
     let mut trajectory = Trajectory::new(station.scenario.starts.len());
-    let unknown = |value: f64| State {
-        x_m: value,
-        y_m: value,
-        altitude_m: value,
-        speed_mps: value,
-        course_rad: value,
-        climb_mps: value,
-    };
     let none = Setpoint { speed_mps: f64::NAN, course_rad: f64::NAN, altitude_m: f64::NAN };
     let rows = (0..trajectory.vehicles).map(|index| {
-        let vehicle = station.vehicles.get(index).filter(|vehicle| vehicle.slot == Some(index));
-        let state = vehicle.and_then(|vehicle| vehicle.track.last()).map(|sample| sample.state);
-        Row { state: state.unwrap_or(unknown(f64::NAN)), setpoint: none, alpha: [f64::NAN; 3] }
+        let vehicle = station.vehicles.get(index).filter(|vehicle| vehicle.slot() == Some(index));
+        let state = vehicle.and_then(|vehicle| vehicle.track().last()).map(|sample| sample.state);
+        Row { state: state.unwrap_or(UNKNOWN), setpoint: none, alpha: [f64::NAN; 3] }
     });
     let rows: Vec<Row> = rows.collect();
     let tick = Tick { t_s: 0.0, min_separation_m: f64::NAN, min_clearance_m: f64::NAN, solve_us: 0.0 };

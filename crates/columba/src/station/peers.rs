@@ -1,6 +1,6 @@
 //! What is kept for each peer, for so many peers of a link and no more: addresses of datagrams are easily forged.
 
-use super::vehicle::Route;
+use super::vehicle::routes::Route;
 use std::collections::HashMap;
 
 /// So many peers of one link are remembered: more than one for each system id.

@@ -1,9 +1,10 @@
 //! The station's shell: links, clocks, the terminal and the files around the sans-I/O core.
 
 use super::peers::Peers;
+use super::phase::Phase;
 use super::record::{self, Recording};
-use super::vehicle::Route;
-use super::{GROUND, Phase, Station, operator, outcome, table};
+use super::vehicle::routes::Route;
+use super::{GROUND, Station, operator, outcome, table};
 use crate::flight::Flight;
 use crate::flying::Stop;
 use crate::view::StationView;
@@ -239,7 +240,7 @@ impl Shell {
             let now_s = self.now(now).as_secs_f64();
             station.told.tell(now_s, None, super::told::Weight::Fault, trouble);
         }
-        for line in station.journal.drain(..) {
+        for line in station.take_journal() {
             self.recording.line(line);
         }
         let events = station.told.events();

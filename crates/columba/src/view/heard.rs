@@ -2,7 +2,7 @@
 
 use super::heard_plans::HeardPlans;
 use super::plans::{Outlines, Plans, Reference, outlines};
-use crate::station::vehicle::{Vehicle, state};
+use crate::station::vehicle::{Vehicle, place};
 use flight_model::{Geodetic, LocalFrame, State};
 use live_view::{Event, Outline, VehicleNow, Weight, Wind};
 use mavlink_bridge::dialect::{
@@ -116,7 +116,7 @@ impl<W: Copy + PartialEq> Flock<W> {
         let Some(frame) = self.frame else { return };
         let [mission, fence, rally] = self.plans.of(system);
         for one in self.all.iter().filter(|one| one.vehicle.id() == system) {
-            let home_m = one.vehicle.home.map(|home| Reference::local_m(&frame, &home));
+            let home_m = one.vehicle.heard().home.map(|home| Reference::local_m(&frame, &home));
             let number = one.number;
             self.outlines
                 .set(number, outlines(number, Reference { frame: &frame, home_m }, &Plans { mission, fence, rally }));
@@ -152,7 +152,7 @@ impl<W: Copy + PartialEq> Flock<W> {
         };
         let one = &mut self.all[index];
         // A camera, a gimbal, a companion computer.
-        if header.component_id != one.vehicle.target.component_id {
+        if header.component_id != one.vehicle.target().component_id {
             return None;
         }
         one.last = now;
@@ -161,16 +161,16 @@ impl<W: Copy + PartialEq> Flock<W> {
                 let wind = [f64::from(data.wind_x), f64::from(data.wind_y)];
                 one.wind_mps = Some((wind, now)).filter(|_| wind.iter().all(|part| part.is_finite()));
             }
-            Message::GLOBAL_POSITION_INT(data) if is_place(data) => {
+            Message::GLOBAL_POSITION_INT(data) if place::is_known(data) => {
                 let is_first = self.frame.is_none();
                 let frame = *self.frame.get_or_insert_with(|| LocalFrame::new(origin(data)));
                 one.has_global = true;
-                one.state = Some(state(data, &frame));
+                one.state = Some(place::state(data, &frame));
                 one.placed = Some(now);
                 if self.follows_ways {
                     one.vehicle.hear(message, now, &frame);
                 } else {
-                    one.vehicle.height_m = f64::from(data.relative_alt) * 1e-3;
+                    one.vehicle.hear_without_clock(message, now);
                 }
                 if is_first {
                     // What was heard before anybody's place was known.
@@ -184,11 +184,11 @@ impl<W: Copy + PartialEq> Flock<W> {
             }
             Message::STATUSTEXT(data) => self.events.extend(event(one.number, data).map(|event| (now, event))),
             message => {
-                let home = one.vehicle.home;
+                let home = one.vehicle.heard().home;
                 const NOWHERE: Geodetic = Geodetic { latitude_deg: 0.0, longitude_deg: 0.0, altitude_amsl_m: 0.0 };
                 let frame = self.frame.unwrap_or_else(|| LocalFrame::new(NOWHERE));
                 one.vehicle.hear(message, now, &frame);
-                if one.vehicle.home != home {
+                if one.vehicle.heard().home != home {
                     self.outline(header.system_id);
                 }
             }
@@ -209,10 +209,10 @@ impl<W: Copy + PartialEq> Flock<W> {
             shown.kind = Arc::from(vehicle.driver().map_or("autopilot", |driver| driver.kind().name()));
         }
         shown.set_mode(&vehicle.mode_name());
-        shown.is_armed = vehicle.armed;
-        shown.is_in_failsafe = vehicle.critical;
+        shown.is_armed = vehicle.heard().armed;
+        shown.is_in_failsafe = vehicle.heard().critical;
         shown.follows = vehicle.follows();
-        shown.is_on_ground = vehicle.landed_state.is_some() && vehicle.on_ground();
+        shown.is_on_ground = vehicle.heard().landed_state.is_some() && vehicle.on_ground();
         shown.heard = heard;
     }
 }
@@ -240,11 +240,6 @@ pub fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
                 | MavType::MAV_TYPE_GIMBAL
                 | MavType::MAV_TYPE_ADSB
         )
-}
-
-/// Whether a position is one: before its estimator has a fix, ArduPilot tells places within metres of 0, 0.
-pub fn is_place(data: &GLOBAL_POSITION_INT_DATA) -> bool {
-    data.lat.abs() >= 10_000 || data.lon.abs() >= 10_000
 }
 
 /// Heights are above the home of the vehicle that was heard first.

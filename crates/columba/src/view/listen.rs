@@ -4,8 +4,8 @@ use super::heard::Flock;
 use super::read_plans::PlanReader;
 use crate::flying::{Stop, stopped};
 use crate::station::peers::Peers;
-use crate::station::telemetry;
-use crate::station::vehicle::Route;
+use crate::station::vehicle::requests::{Carried, POSITION_HZ};
+use crate::station::vehicle::routes::Route;
 use live_view::{Feed, Scene, VehicleNow, Wind};
 use mavlink_bridge::dialect::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType, Message};
 use mavlink_bridge::link::{Arrival, Framer, LinkEvent, Links};
@@ -16,6 +16,8 @@ use std::time::{Duration, Instant};
 const LISTENER: (u8, u8) = (254, 190);
 /// An autopilot that tells no position for so long is asked for it.
 const ASK_AFTER: Duration = Duration::from_secs(2);
+/// A listener does not know how fast its links are.
+const CARRIED: Carried = Carried { position_hz: POSITION_HZ, is_slow: false };
 /// Frames are shown so often.
 const SHOW: Duration = Duration::from_millis(50);
 /// A wind that differs by less is the same.
@@ -175,9 +177,9 @@ impl Listener {
             outgoing.extend(spoken_to.map(|(route, _)| (route, vec![heartbeat()])));
         }
         for one in &mut self.flock.all {
-            let since = now.saturating_sub(one.placed.or(one.vehicle.first_heartbeat).unwrap_or(now));
+            let since = now.saturating_sub(one.placed.or(one.vehicle.heard().first_heartbeat).unwrap_or(now));
             if since > ASK_AFTER {
-                outgoing.push((one.way, telemetry::ask(&mut one.vehicle, telemetry::POSITION_HZ, false, now)));
+                outgoing.push((one.way, one.vehicle.ask(CARRIED, now)));
             }
         }
         if asks_for_plans {
@@ -185,8 +187,8 @@ impl Listener {
             for (one, reader) in self.flock.all.iter().zip(&mut self.readers) {
                 // Where its places are is known once it has told one.
                 if one.placed.is_some() {
-                    let knows_home = one.vehicle.home.is_some();
-                    let asked = reader.ask(one.vehicle.target, &self.flock.plans, knows_home, now);
+                    let knows_home = one.vehicle.heard().home.is_some();
+                    let asked = reader.ask(one.vehicle.target(), &self.flock.plans, knows_home, now);
                     outgoing.push((one.way, asked));
                 }
             }

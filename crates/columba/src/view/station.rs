@@ -4,9 +4,11 @@ use super::choices;
 use super::craft::place;
 use super::flock::shown_least;
 use crate::config::Scenario;
+use crate::station::Station;
 use crate::station::operator::{VERBS, Verb};
+use crate::station::phase::Phase;
+use crate::station::phase::fly::Fly;
 use crate::station::told::Weight;
-use crate::station::{Phase, Station};
 use live_view::{Answer, Event, LiveView, Said, Scene, Steering, VehicleNow};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -71,7 +73,7 @@ impl StationView {
 
     /// Of which vehicles the next decision is to tell what there was to choose from.
     pub fn watched(&self, station: &Station) -> Vec<usize> {
-        choices::watched(&self.view.feed(), station.vehicles.len())
+        choices::watched(&self.view.feed(), station.vehicles().len())
     }
 
     /// What was refused on the page, in words, if anything was.
@@ -120,11 +122,11 @@ impl StationView {
         feed.update(|frame| {
             frame.time_s = now.as_secs_f64() - began_s.unwrap_or(0.0);
             frame.rate = speed;
-            let is_paused = fly.is_some_and(crate::station::fly::Fly::is_paused);
+            let is_paused = fly.is_some_and(Fly::is_paused);
             frame.phase = if is_paused { "paused".to_owned() } else { station.phase().name().to_owned() };
-            frame.vehicles.resize(station.vehicles.len(), VehicleNow::default());
-            for (index, (shown, vehicle)) in frame.vehicles.iter_mut().zip(&station.vehicles).enumerate() {
-                let last = vehicle.track.last();
+            frame.vehicles.resize(station.vehicles().len(), VehicleNow::default());
+            for (index, (shown, vehicle)) in frame.vehicles.iter_mut().zip(station.vehicles()).enumerate() {
+                let last = vehicle.track().last();
                 if let Some(state) = station.state_now(index, now).or(last.map(|sample| sample.state)) {
                     place(shown, index, &state);
                 }
@@ -134,11 +136,11 @@ impl StationView {
                     shown.kind = Arc::from(vehicle.driver().map_or("", |driver| driver.kind().name()));
                 }
                 shown.set_mode(&vehicle.mode_name());
-                shown.is_armed = vehicle.armed;
-                shown.is_in_failsafe = vehicle.critical;
+                shown.is_armed = vehicle.heard().armed;
+                shown.is_in_failsafe = vehicle.heard().critical;
                 shown.follows = vehicle.follows();
                 shown.is_on_ground = vehicle.on_ground();
-                shown.is_out = vehicle.released.is_some() || vehicle.dropped;
+                shown.is_out = !vehicle.custody().is_ours();
                 let age_s = vehicle.age_s(now.as_secs_f64()).map(|age_s| Duration::from_secs_f64(age_s / speed));
                 shown.heard = age_s.and_then(|age| wall.checked_sub(age));
                 shown.steering = fly.and_then(|fly| fly.chosen(index)).map(|(setpoint, weights)| Steering {
@@ -149,8 +151,8 @@ impl StationView {
                 });
             }
             if let Some(fly) = fly {
-                let verdict = fly.judge.verdict();
-                let zero_s = fly.began.as_secs_f64();
+                let verdict = fly.verdict();
+                let zero_s = fly.began().as_secs_f64();
                 let since = |least: live_view::Least| live_view::Least { at_s: least.at_s - zero_s, ..least };
                 frame.least_separation =
                     verdict.separation.map(|least| since(shown_least(least, |pair| pair.to_vec())));

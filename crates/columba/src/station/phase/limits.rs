@@ -1,12 +1,9 @@
 //! What the scenario asks and the model assumes, against what the vehicles' own parameters allow.
 
-use super::vehicle::Vehicle;
+use crate::station::vehicle::narrow;
 use controller::Expected;
 use flight_model::Limits;
 use mavlink_bridge::kind::VehicleLimits;
-
-/// Gravity, m/s2: how a bank is an acceleration.
-const GRAVITY_MPS2: f64 = 9.81;
 
 /// What the comparison came to.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,14 +14,16 @@ pub struct Compared {
     pub notes: Vec<String>,
 }
 
-/// Compares, and narrows the flock's limits to what every vehicle allows, so that the look-ahead plans no turn and no
-/// climb that a vehicle cannot fly.
-pub fn compare(expected: &Expected, limits: &mut Limits, vehicles: &[Vehicle]) -> Compared {
+/// Compares with the limits of vehicles, by their numbers, and narrows the flock's limits to what every vehicle allows,
+/// so that the look-ahead plans no turn and no climb that a vehicle cannot fly.
+pub fn compare(
+    expected: &Expected,
+    limits: &mut Limits,
+    vehicles: impl IntoIterator<Item = (u32, VehicleLimits)>,
+) -> Compared {
     let mut compared = Compared::default();
     let asked = *limits;
-    for vehicle in vehicles.iter().filter(|vehicle| vehicle.slot.is_some()) {
-        let number = vehicle.slot.unwrap_or(0) + 1;
-        let Some(own) = vehicle.limits else { continue };
+    for (number, own) in vehicles {
         let speed_mps = expected.speed_mps;
         match (own.speed_min_mps, own.speed_max_mps) {
             (Some(least), _) if speed_mps < least => compared.faults.push(format!(
@@ -54,49 +53,27 @@ pub fn compare(expected: &Expected, limits: &mut Limits, vehicles: &[Vehicle]) -
     compared
 }
 
-/// Narrows limits to those that a vehicle's own parameters set; the expected speed stays within them.
-pub fn narrow(limits: &mut Limits, own: &VehicleLimits, speed_mps: f64) {
-    if let Some(least) = own.speed_min_mps {
-        limits.speed_min_mps = limits.speed_min_mps.max(least.min(speed_mps));
-    }
-    if let Some(greatest) = own.speed_max_mps {
-        limits.speed_max_mps = limits.speed_max_mps.min(greatest.max(speed_mps));
-    }
-    if let Some(bank_rad) = own.bank_max_rad.filter(|bank_rad| (0.01..1.55).contains(bank_rad)) {
-        let overload = GRAVITY_MPS2 * libm::tan(bank_rad) / limits.gravity_mps2;
-        limits.lateral_overload_max = limits.lateral_overload_max.min(overload);
-    }
-    if let Some(climb_mps) = own.climb_max_mps.filter(|climb_mps| *climb_mps > 0.1) {
-        limits.climb_max_mps = limits.climb_max_mps.min(climb_mps);
-    }
-    if let Some(sink_mps) = own.sink_max_mps.filter(|sink_mps| *sink_mps > 0.1) {
-        limits.climb_min_mps = limits.climb_min_mps.max(-sink_mps);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn plane(bank_deg: f64) -> Vehicle {
-        let mut vehicle = Vehicle::new(1, 1);
-        vehicle.slot = Some(0);
-        vehicle.limits = Some(VehicleLimits {
+    fn plane(bank_deg: f64) -> (u32, VehicleLimits) {
+        let own = VehicleLimits {
             speed_min_mps: Some(10.0),
             speed_max_mps: Some(30.0),
             bank_max_rad: Some(f64::to_radians(bank_deg)),
             climb_max_mps: Some(5.0),
             sink_max_mps: Some(5.0),
             ..VehicleLimits::default()
-        });
-        vehicle
+        };
+        (1, own)
     }
 
     #[test]
     fn a_speed_outside_is_a_fault_before_anybody_is_armed() {
         for (speed_mps, word) in [(9.0, "least is 10"), (31.0, "greatest is 30")] {
             let expected = Expected { speed_mps, course_rad: 0.0, altitude_m: 50.0 };
-            let compared = compare(&expected, &mut Limits::default(), &[plane(65.0)]);
+            let compared = compare(&expected, &mut Limits::default(), [plane(65.0)]);
             assert!(compared.faults.len() == 1 && compared.faults[0].contains(word), "{compared:?}");
         }
     }
@@ -105,7 +82,7 @@ mod tests {
     fn the_model_turns_no_harder_than_the_vehicle() {
         let expected = Expected { speed_mps: 12.0, course_rad: 0.0, altitude_m: 50.0 };
         let mut limits = Limits::default();
-        let compared = compare(&expected, &mut limits, &[plane(35.0)]);
+        let compared = compare(&expected, &mut limits, [plane(35.0)]);
         assert!(compared.faults.is_empty());
         assert!((limits.lateral_acceleration_max_mps2() - 9.81 * 0.7002).abs() < 0.01);
         assert_eq!((limits.speed_min_mps, limits.speed_max_mps, limits.climb_max_mps), (10.0, 15.0, 5.0));

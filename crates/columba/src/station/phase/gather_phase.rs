@@ -1,9 +1,10 @@
 //! Fourth phase: to the scenario's starts. [`super::gather`] says how.
 
 use super::gather::{Gather, Leg};
-use super::told::Weight;
-use super::track::slant_m;
-use super::{Phase, Station, end, handover};
+use super::{Phase, handover};
+use crate::station::Station;
+use crate::station::told::Weight;
+use crate::station::vehicle::track::slant_m;
 use flight_model::State;
 use std::time::Duration;
 
@@ -27,7 +28,7 @@ impl GatherPhase {
 
     pub(super) fn step(mut self, station: &mut Station, now: Duration) -> Phase {
         if station.stopped().is_some() {
-            return Phase::End(Box::new(end::End::new(None, now)));
+            return Phase::end(None, now);
         }
         station.watch_modes(false, now);
         let ours: Vec<usize> = station.crew().filter(|&index| station.vehicles[index].is_ours()).collect();
@@ -36,7 +37,7 @@ impl GatherPhase {
         }
         if ours.is_empty() {
             station.stop("no vehicle is left to fly", false);
-            return Phase::End(Box::new(end::End::new(None, now)));
+            return Phase::end(None, now);
         }
         let states = states(station, &ours, now);
         self.least_m = self.least_m.min(least_distance_m(&states));
@@ -64,7 +65,7 @@ impl GatherPhase {
             let text = format!("not gathered after {} s: {}", PATIENCE.as_secs(), legs.join(", "));
             station.told.tell(now.as_secs_f64(), None, Weight::Fault, text);
             station.stop("not gathered", false);
-            return Phase::End(Box::new(end::End::new(None, now)));
+            return Phase::end(None, now);
         }
         Phase::Gather(self)
     }
@@ -82,10 +83,7 @@ fn states(station: &Station, ours: &[usize], now: Duration) -> Vec<Option<State>
 
 /// One step of a gathering for the vehicles of these indices.
 pub(super) fn steer(gather: &mut Gather, station: &mut Station, ours: &[usize], now: Duration) {
-    let is_due = ours
-        .iter()
-        .any(|&index| station.vehicles[index].setpoint_sent.is_none_or(|sent| now.saturating_sub(sent) >= PERIOD / 2));
-    if !is_due {
+    if !ours.iter().any(|&index| station.vehicles[index].orders().has_rested(now, PERIOD / 2)) {
         return;
     }
     let states = states(station, ours, now);

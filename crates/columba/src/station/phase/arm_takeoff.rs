@@ -2,8 +2,9 @@
 //! its way to its lane while the others follow. There it circles until all have taken off.
 
 use super::gather::Gather;
-use super::told::Weight;
-use super::{Phase, Station, end, gather_phase, handover, number};
+use super::{Phase, gather_phase, handover};
+use crate::station::told::Weight;
+use crate::station::{Station, number};
 use flight_model::State;
 use mavlink_bridge::kind::{AutopilotKind, Launch};
 use std::time::Duration;
@@ -27,7 +28,7 @@ impl TakeOff {
 
     pub(super) fn step(mut self, station: &mut Station, now: Duration) -> Phase {
         if station.stopped().is_some() {
-            return Phase::End(Box::new(end::End::new(None, now)));
+            return Phase::end(None, now);
         }
         station.watch_modes(false, now);
         for index in station.crew() {
@@ -54,15 +55,15 @@ impl TakeOff {
         if now.saturating_sub(self.began) > station.settings.ready_patience {
             for index in waiting {
                 let vehicle = &station.vehicles[index];
-                let order = vehicle.orders.get("launch");
-                let answer = order.and_then(|order| order.answer.clone()).unwrap_or_else(|| "no answer".to_owned());
-                let words = vehicle.words_since(self.began).map(|words| format!(", {words}")).unwrap_or_default();
-                let what = if vehicle.armed { "did not leave the ground" } else { "was not armed" };
+                let answer = vehicle.orders().answer("launch").unwrap_or("no answer");
+                let words = vehicle.heard().words_since(self.began);
+                let words = words.map(|words| format!(", {words}")).unwrap_or_default();
+                let what = if vehicle.heard().armed { "did not leave the ground" } else { "was not armed" };
                 let text = format!("{what} in {} s: {answer}{words}", station.settings.ready_patience.as_secs());
                 station.told.tell(now.as_secs_f64(), Some(number(index)), Weight::Fault, text);
             }
             station.stop("not all took off", false);
-            return Phase::End(Box::new(end::End::new(None, now)));
+            return Phase::end(None, now);
         }
         Phase::TakeOff(self)
     }
@@ -70,7 +71,7 @@ impl TakeOff {
     fn launch(&mut self, station: &mut Station, index: usize, now: Duration) {
         let vehicle = &station.vehicles[index];
         let Some(driver) = vehicle.driver().cloned() else { return };
-        let (target, seen) = (vehicle.target, vehicle.seen());
+        let (target, seen) = (vehicle.target(), vehicle.seen());
         let height_m = self.height_m(station, index);
         // A PX4 follows only once a stream of setpoints runs; an ArduCopter would break off its take-off for one.
         if seen.armed
@@ -85,10 +86,9 @@ impl TakeOff {
             Launch::Send(message) => {
                 station.order(index, "launch", message, now);
                 let vehicle = &station.vehicles[index];
-                if let Some(answer) = vehicle.orders.get("launch").and_then(|order| order.answer.clone())
-                    && answer != "ACCEPTED"
-                {
-                    let words = vehicle.words_since(self.began).map(|words| format!(" ({words})")).unwrap_or_default();
+                if let Some(answer) = vehicle.orders().answer("launch").filter(|answer| *answer != "ACCEPTED") {
+                    let words = vehicle.heard().words_since(self.began);
+                    let words = words.map(|words| format!(" ({words})")).unwrap_or_default();
                     let text = format!("does not take off yet: {answer}{words}");
                     station.tell_once(index, &text.clone(), Weight::Note, text, now);
                 }
@@ -97,8 +97,8 @@ impl TakeOff {
             Launch::Flying => {
                 self.flying[index] = true;
                 let vehicle = &mut station.vehicles[index];
-                vehicle.entered = true;
-                vehicle.orders.remove("launch");
+                vehicle.custody_mut().enter();
+                vehicle.orders_mut().forget("launch");
                 let text = format!("is in the air, in {}", vehicle.mode_name());
                 station.tell_once(index, "airborne", Weight::Note, text, now);
             }
@@ -109,8 +109,9 @@ impl TakeOff {
     fn height_m(&self, station: &Station, index: usize) -> f64 {
         let vehicle = &station.vehicles[index];
         let is_copter = vehicle.driver().is_some_and(|driver| driver.kind() == AutopilotKind::ArduCopter);
-        let own = vehicle.limits.and_then(|limits| limits.takeoff_height_m).unwrap_or(50.0);
-        let home_amsl_m = vehicle.home.map_or(station.frame.origin().altitude_amsl_m, |home| home.altitude_amsl_m);
+        let own = vehicle.limits().and_then(|limits| limits.takeoff_height_m).unwrap_or(50.0);
+        let home_amsl_m =
+            vehicle.heard().home.map_or(station.frame.origin().altitude_amsl_m, |home| home.altitude_amsl_m);
         let layer_m = station.frame.origin().altitude_amsl_m + self.gather.layer_m(index) - home_amsl_m;
         if is_copter { layer_m.max(3.0) } else { own }
     }

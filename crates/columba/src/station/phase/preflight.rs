@@ -1,9 +1,11 @@
 //! Second phase: what each vehicle still needs before it may be armed; then one frame for all, and the limits compared.
 
-use super::told::Weight;
-use super::track::distance_m;
-use super::vehicle::Vehicle;
-use super::{Phase, STALE_S, Station, arm_takeoff, frames, handover, limits, number, telemetry};
+use super::{Phase, arm_takeoff, handover, limits};
+use crate::station::told::Weight;
+use crate::station::vehicle::Vehicle;
+use crate::station::vehicle::requests::RATE_WINDOW_S;
+use crate::station::vehicle::track::distance_m;
+use crate::station::{STALE_S, Station, frames, number};
 use mavlink_bridge::kind::AutopilotKind;
 use std::time::Duration;
 
@@ -35,15 +37,16 @@ impl Preflight {
         }
         self.looked = Some(now);
         // On the ground a place is known for good once the autopilot has set its home there.
-        let is_placed =
-            |vehicle: &Vehicle| vehicle.global.is_some() && (vehicle.home.is_some() || !vehicle.on_ground());
+        let is_placed = |vehicle: &Vehicle| {
+            vehicle.heard().place().is_some() && (vehicle.heard().home.is_some() || !vehicle.on_ground())
+        };
         if !self.has_frame && station.vehicles[station.crew()].iter().all(is_placed) {
             match self.take_frame(station, now) {
                 Ok(()) => self.has_frame = true,
                 Err(fault) => return refuse(station, now, vec![fault]),
             }
         }
-        let doubled = station.vehicles.iter().any(|vehicle| vehicle.is_doubled);
+        let doubled = station.vehicles.iter().any(|vehicle| vehicle.routes().is_doubled());
         let missing = missing(station, now);
         if self.has_frame && (doubled || missing.iter().all(Vec::is_empty)) {
             return self.check(station, now);
@@ -74,11 +77,7 @@ impl Preflight {
     fn take_frame(&self, station: &mut Station, now: Duration) -> Result<(), String> {
         let (scenario, settings) = (&station.scenario.frame, &station.settings);
         let (frame, note) = frames::choose(scenario, settings.origin_is_named, settings.origin, &station.vehicles)?;
-        if frame != station.frame {
-            station.frame = frame;
-            // Positions in the other frame mean nothing any more.
-            station.vehicles.iter_mut().for_each(|vehicle| vehicle.track.clear());
-        }
+        station.set_frame(frame);
         if let Some(note) = note {
             station.told.tell(now.as_secs_f64(), None, Weight::Note, note);
         }
@@ -90,7 +89,8 @@ impl Preflight {
         let mut faults =
             frames::contradictions(&station.frame, station.scenario.expected.altitude_m, &station.vehicles);
         let mut limits = station.scenario.dynamics.limits;
-        let compared = limits::compare(&station.scenario.expected, &mut limits, &station.vehicles);
+        let own = station.vehicles.iter().filter_map(|vehicle| Some((number(vehicle.slot()?), vehicle.limits()?)));
+        let compared = limits::compare(&station.scenario.expected, &mut limits, own);
         station.limits = limits;
         for index in station.crew() {
             let dynamics = station.scenario.dynamics_of(index);
@@ -102,7 +102,7 @@ impl Preflight {
         }
         for index in station.crew() {
             let vehicle = &station.vehicles[index];
-            if let Some(version) = vehicle.version {
+            if let Some(version) = vehicle.version() {
                 let text = format!("version {version}");
                 station.told.once(now.as_secs_f64(), Some(number(index)), "version", Weight::Note, text);
             }
@@ -123,8 +123,10 @@ impl Preflight {
         // Who flies already is taken over where the flock is; from anywhere else all gather first.
         let expected_m = station.scenario.expected.altitude_m;
         let flies_with_the_flock = |vehicle: &Vehicle| {
-            let altitude_m = vehicle.track.last().map_or(f64::NAN, |sample| sample.state.altitude_m);
-            !vehicle.on_ground() && (vehicle.follows() || !vehicle.armed) && (altitude_m - expected_m).abs() < 6.0
+            let altitude_m = vehicle.track().last().map_or(f64::NAN, |sample| sample.state.altitude_m);
+            !vehicle.on_ground()
+                && (vehicle.follows() || !vehicle.heard().armed)
+                && (altitude_m - expected_m).abs() < 6.0
         };
         if !station.vehicles[station.crew()].iter().all(flies_with_the_flock) {
             Phase::TakeOff(arm_takeoff::TakeOff::new(station, now))
@@ -143,7 +145,7 @@ fn refuse(station: &mut Station, now: Duration, faults: Vec<String>) -> Phase {
 
 /// Least distance between two vehicles, m.
 fn separation_m(station: &Station) -> Option<f64> {
-    let states: Vec<_> = station.vehicles[station.crew()].iter().filter_map(|vehicle| vehicle.track.last()).collect();
+    let states: Vec<_> = station.vehicles[station.crew()].iter().filter_map(|vehicle| vehicle.track().last()).collect();
     let pairs =
         states.iter().enumerate().flat_map(|(index, a)| states[..index].iter().map(move |b| (a.state, b.state)));
     pairs.map(|(a, b)| distance_m(&a, &b)).min_by(f64::total_cmp)
@@ -158,9 +160,9 @@ fn needs(vehicle: &Vehicle, position_hz: f64, now: Duration) -> Vec<String> {
     let now_s = now.as_secs_f64();
     let mut needs = Vec::new();
     let Some(driver) = vehicle.driver() else { return vec!["a heartbeat".to_owned()] };
-    let asked = vehicle.asked.map_or(0, |(_, times)| times);
+    let heard = vehicle.heard();
     let flies = !vehicle.on_ground();
-    if vehicle.version.is_none() && asked < 4 {
+    if vehicle.version().is_none() && vehicle.times_asked() < 4 {
         needs.push("its version".to_owned());
     }
     match vehicle.age_s(now_s) {
@@ -168,26 +170,26 @@ fn needs(vehicle: &Vehicle, position_hz: f64, now: Duration) -> Vec<String> {
         Some(age_s) if age_s > STALE_S => needs.push(format!("a position (the last is {age_s:.1} s old)")),
         // One that flies already cannot wait.
         Some(_) if !flies => {
-            let rate = vehicle.track.rate_hz(now_s, 1.5);
-            if rate.is_none_or(|rate| rate < telemetry::RATE_SHARE * position_hz) {
+            if !vehicle.comes_at(position_hz, now_s) {
+                let rate = vehicle.track().rate_hz(now_s, RATE_WINDOW_S);
                 let comes = rate.map_or_else(|| "too few yet".to_owned(), |rate| format!("{rate:.1} come"));
                 needs.push(format!("positions at {position_hz:.0} Hz ({comes})"));
             }
         }
         Some(_) => {}
     }
-    if vehicle.home.is_none() && !flies {
+    if heard.home.is_none() && !flies {
         needs.push("its home".to_owned());
     }
     let needs_origin = matches!(driver.kind(), AutopilotKind::Px4Multicopter | AutopilotKind::Columba);
-    if needs_origin && vehicle.local_origin_amsl_m.is_none() {
+    if needs_origin && heard.local_origin_amsl_m.is_none() {
         needs.push("its local origin".to_owned());
     }
-    if vehicle.limits.is_none() {
+    if vehicle.limits().is_none() {
         needs.push("its parameters".to_owned());
     }
-    if vehicle.prearm_ok == Some(false) && !vehicle.armed {
-        let words = vehicle.words_since(now.saturating_sub(Duration::from_secs(35)));
+    if heard.prearm_ok == Some(false) && !heard.armed {
+        let words = heard.words_since(now.saturating_sub(Duration::from_secs(35)));
         needs.push(
             words.map_or_else(|| "its pre-arm checks".to_owned(), |words| format!("its pre-arm checks ({words})")),
         );

@@ -1,7 +1,8 @@
 //! First phase: who is there, and which vehicle of the scenario each of them is.
 
-use super::told::Weight;
-use super::{Phase, Station, number, preflight};
+use super::{Phase, preflight};
+use crate::station::told::Weight;
+use crate::station::{Station, number};
 use std::time::Duration;
 
 /// Further autopilots may still speak up for so long after the last new one.
@@ -53,7 +54,7 @@ impl Connect {
         for index in station.crew() {
             let vehicle = &station.vehicles[index];
             let number = number(index);
-            match &vehicle.driver {
+            match vehicle.flyable() {
                 Some(Ok(driver)) => {
                     let text = format!("is system {}: {}", vehicle.id(), driver.kind().name());
                     station.told.tell(now.as_secs_f64(), Some(number), Weight::Note, text);
@@ -76,7 +77,7 @@ impl Connect {
 fn choose(station: &Station, settled: bool) -> Result<Option<Vec<u8>>, String> {
     let wanted = station.scenario.starts.len();
     let mut heard: Vec<u8> =
-        station.vehicles.iter().filter(|vehicle| vehicle.driver.is_some()).map(|vehicle| vehicle.id()).collect();
+        station.vehicles.iter().filter(|vehicle| vehicle.flyable().is_some()).map(|vehicle| vehicle.id()).collect();
     heard.sort_unstable();
     if let Some(ids) = &station.settings.system_ids {
         return Ok(ids.iter().all(|id| heard.contains(id)).then(|| ids.clone()));
@@ -103,9 +104,9 @@ fn choose(station: &Station, settled: bool) -> Result<Option<Vec<u8>>, String> {
 /// Puts the vehicles into the scenario's order.
 fn assign(station: &mut Station, ids: &[u8]) {
     for vehicle in &mut station.vehicles {
-        vehicle.slot = ids.iter().position(|id| *id == vehicle.id());
+        vehicle.take_slot(ids.iter().position(|id| *id == vehicle.id()));
     }
-    station.vehicles.sort_by_key(|vehicle| vehicle.slot.unwrap_or(usize::MAX));
+    station.vehicles.sort_by_key(|vehicle| vehicle.slot().unwrap_or(usize::MAX));
 }
 
 /// Who said nothing.

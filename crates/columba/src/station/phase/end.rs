@@ -3,10 +3,11 @@
 //!
 //! Planes that circle where they are would meet: they first change to heights of their own, while the law still steers.
 
+use super::Phase;
 use super::fly::Fly;
 use super::gather::Gather;
-use super::told::Weight;
-use super::{Phase, Station, number};
+use crate::station::told::Weight;
+use crate::station::{Station, number};
 use mavlink_bridge::dialect::MavCmd;
 use mavlink_bridge::kind::{AtEnd, command_long};
 use std::time::Duration;
@@ -37,8 +38,7 @@ impl End {
 
     pub(super) fn step(mut self: Box<Self>, station: &mut Station, now: Duration) -> Phase {
         if let Some(fly) = &mut self.fly {
-            let until_s = fly.ended.unwrap_or(now).as_secs_f64();
-            fly.settle(station, now, until_s);
+            fly.settle(station, now);
         }
         if self.ordered.is_none() && self.spread(station, now) {
             return Phase::End(self);
@@ -57,12 +57,8 @@ impl End {
         }
         for index in waiting {
             let vehicle = &station.vehicles[index];
-            let answer = vehicle.orders.get("end").and_then(|order| order.answer.clone());
-            let text = format!(
-                "was not seen to end as it should: it is in {}, {}",
-                vehicle.mode_name(),
-                answer.unwrap_or_else(|| "no answer".to_owned())
-            );
+            let answer = vehicle.orders().answer("end").unwrap_or("no answer");
+            let text = format!("was not seen to end as it should: it is in {}, {answer}", vehicle.mode_name());
             station.told.tell(now.as_secs_f64(), Some(number(index)), Weight::Fault, text);
         }
         if let Some(fly) = &mut self.fly {
@@ -114,14 +110,14 @@ impl End {
         let vehicle = &station.vehicles[index];
         let Some(driver) = vehicle.driver().cloned() else { return false };
         // What the operator wished for this one alone counts more.
-        let was_sent = vehicle.dropped && vehicle.dropped_to != AtEnd::Loiter;
-        let at_end = if was_sent { vehicle.dropped_to } else { station.settings.at_end };
+        let sent_to = vehicle.custody().dropped().filter(|to| *to != AtEnd::Loiter);
+        let at_end = sent_to.unwrap_or(station.settings.at_end);
         // A pilot has it, or the operator keeps it out: it is not ours to command.
-        if vehicle.released.is_some() || !vehicle.armed {
+        if vehicle.custody().released().is_some() || !vehicle.heard().armed {
             return false;
         }
         if vehicle.on_ground() {
-            let disarm = command_long(vehicle.target, MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [0.0; 7]);
+            let disarm = command_long(vehicle.target(), MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [0.0; 7]);
             station.order(index, "end", disarm, now);
             station.tell_once(index, "ended", Weight::Note, "is on the ground: it is told to disarm", now);
             return true;
@@ -131,13 +127,13 @@ impl End {
             station.tell_once(index, "ended", Weight::Note, text, now);
             return false;
         };
-        if vehicle.custom_mode == mode {
+        if vehicle.heard().custom_mode == mode {
             let note = driver.end_note(at_end).map(|note| format!(": {note}")).unwrap_or_default();
             let text = format!("is left in {}{note}", vehicle.mode_name());
             station.tell_once(index, "ended", Weight::Note, text, now);
             return false;
         }
-        station.order(index, "end", driver.set_mode(vehicle.target, mode), now);
+        station.order(index, "end", driver.set_mode(vehicle.target(), mode), now);
         true
     }
 }
