@@ -1,7 +1,7 @@
 //! One log: what is a record in it, and what its records say of vehicles.
 
 use super::clock::Clock;
-use crate::station::vehicle::place::is_known;
+use crate::station::vehicle::place;
 use crate::view::heard::{Flock, SHOWN, is_autopilot};
 use flight_model::{LocalFrame, State};
 use live_view::{Event, Outline, VehicleNow, Wind};
@@ -226,7 +226,7 @@ impl Survey {
         let Some((id, system)) = id_and_system(frame) else { return };
         if !self.has_positions && POSITIONS.contains(&id) {
             self.has_positions = match Frame::parse(frame).and_then(|frame| frame.message()) {
-                Ok(Message::GLOBAL_POSITION_INT(position)) => is_known(&position),
+                Ok(Message::GLOBAL_POSITION_INT(position)) => place::is_known(&position),
                 Ok(_) => true,
                 Err(_) => false,
             };
