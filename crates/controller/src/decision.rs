@@ -9,8 +9,8 @@ use std::time::Duration;
 const COURSE_CHANGE_BEHIND_LINK_RAD: f64 = 1.6;
 /// Over a link another side has to be better by this, m.
 const SIDE_BEHIND_LINK_M: f64 = 0.5;
-/// What a change of the commanded velocity costs over a link, s.
-const COMMAND_COST_BEHIND_LINK_S: f64 = 0.2;
+/// What a change of the commanded velocity costs where vehicles answer late, s.
+const COMMAND_COST_S: f64 = 0.2;
 
 /// What a flock needs to know before its first tick.
 ///
@@ -88,16 +88,18 @@ impl FlockSettings {
     /// Where it acts the vehicle may be on another course than foreseen, and a gust may have turned its nose; of a
     /// turn of nearly half a circle the short way round is then the wrong one, into what is evaded.
     ///
-    /// Where the law leaves the side open, it passes obstacles on the side to which the last command turns, and
-    /// changes of the commanded velocity cost something: a vehicle that answers late, told to turn left and right from
-    /// tick to tick, flies straight into what is dead ahead.
+    /// Where the law leaves the side open and a vehicle answers late, obstacles are passed on the side to which the last
+    /// command turns, and changes of the commanded velocity cost something: told to turn left and right from tick to
+    /// tick, it would fly straight into what is dead ahead. One that answers at once is turned from where it is: in
+    /// gusts its commands say less of where it goes.
     #[must_use]
     pub fn behind_a_link(mut self) -> Self {
         self.side_m = SIDE_BEHIND_LINK_M;
+        let answers_late = self.dynamics.iter().any(|dynamics| dynamics.response.course_dead_time_s > 0.0);
         let law = &mut self.controller.law;
-        if law.side_rule == SideRule::Auto {
+        if answers_late && law.side_rule == SideRule::Auto {
             law.side_rule = SideRule::Command;
-            law.command_cost_s = law.command_cost_s.max(COMMAND_COST_BEHIND_LINK_S);
+            law.command_cost_s = law.command_cost_s.max(COMMAND_COST_S);
         }
         for dynamics in &mut self.dynamics {
             let step_max_rad = &mut dynamics.response.course_step_max_rad;

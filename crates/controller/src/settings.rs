@@ -77,8 +77,8 @@ pub enum ObstacleRule {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SideRule {
-    /// As `Command` over a link, where commands act late; there changes of the commanded velocity cost something. Else
-    /// as `Course`.
+    /// As `Command` where vehicles have a dead time of course; there changes of the commanded velocity cost something.
+    /// Else as `Course`.
     Auto,
     /// The present one: the letter of Eq. 7. Dead ahead of an obstacle the side may change with every command.
     Course,
