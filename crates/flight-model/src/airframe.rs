@@ -48,7 +48,7 @@ impl Airframe {
                     course_dead_time_s: 0.18,
                     altitude_dead_time_s: 0.3,
                     course_reference_speed_mps: Some(22.0),
-                    // Its autopilot could do 0.9 to 1.3; faster changes make it pitch, and take the lift from its turns.
+                    // Its autopilot could do 0.9 to 1.3; faster changes make it pitch, and take the lift from turns.
                     acceleration_max_mps2: 0.4,
                     course_step_max_rad: 50_f64.to_radians(),
                     turn_share: 0.73,

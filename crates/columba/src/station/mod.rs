@@ -278,8 +278,8 @@ impl Station {
     }
 
     /// Takes note of the sequence number of a frame of a vehicle's autopilot. Other senders are not counted: routers
-    /// pass on only a part of what others say, so that gaps in their numbers are no losses. Gives whether no newer frame
-    /// of its sender came before it, as far as was counted.
+    /// pass on only a part of what others say, so that gaps in their numbers are no losses. Gives whether no newer
+    /// frame of its sender came before it, as far as was counted.
     pub fn count(&mut self, frame: &Frame<'_>, sequence: &mut SequenceTracker, counters: &mut Counters) -> bool {
         let header = &frame.header;
         let is_sender = |vehicle: &&mut Vehicle| {
