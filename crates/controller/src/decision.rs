@@ -88,9 +88,9 @@ impl FlockSettings {
     /// Where it acts the vehicle may be on another course than foreseen, and a gust may have turned its nose; of a
     /// turn of nearly half a circle the short way round is then the wrong one, into what is evaded.
     ///
-    /// Where the law leaves the side open and a vehicle answers late, obstacles are passed on the side to which the last
-    /// command turns, and changes of the commanded velocity cost something: told to turn left and right from tick to
-    /// tick, it would fly straight into what is dead ahead. One that answers at once is turned from where it is: in
+    /// Where the law leaves the side open and a vehicle answers late, obstacles are passed on the side to which the
+    /// last command turns, and changes of the commanded velocity cost something: told to turn left and right from tick
+    /// to tick, it would fly straight into what is dead ahead. One that answers at once is turned from where it is: in
     /// gusts its commands say less of where it goes.
     #[must_use]
     pub fn behind_a_link(mut self) -> Self {
