@@ -4,7 +4,7 @@
 //! A distance is judged only where both tracks are known: between two samples that were heard. Time of which nothing
 //! was heard is counted as unseen, and never judged.
 
-use super::vehicle::track::{Track, distance_m, velocity_mps};
+use super::vehicle::track::{Track, distance_m};
 use crate::judge::{
     ALTITUDE_TOLERANCE_M, COLLISION_DISTANCE_M, COURSE_TOLERANCE_RAD, Least, SPEED_TOLERANCE_MPS, Verdict,
 };
@@ -36,7 +36,7 @@ pub struct Ground {
 pub struct Seen<'a> {
     /// Its way.
     pub track: &'a Track,
-    /// How exactly its clock is known, s.
+    /// By how much its clock may be wrong, s.
     pub clock_error_s: f64,
     /// Whether it is in the air: one on the ground is not judged.
     pub is_airborne: bool,
@@ -171,11 +171,10 @@ impl TrackJudge {
             );
             for (other, known) in now.iter().enumerate().take(index) {
                 let Some((theirs, their_gap_s)) = *known else { continue };
-                // Errors of two clocks matter by the velocity between the two.
-                let ((north, east), (north_2, east_2)) = (velocity_mps(&state), velocity_mps(&theirs));
-                let relative_mps = libm::hypot(north - north_2, east - east_2);
-                let clocks_s = vehicles[index].clock_error_s.max(vehicles[other].clock_error_s);
-                let ground = Ground::of(gap_s.max(their_gap_s), clocks_s * relative_mps);
+                // Each clock is wrong on its own: what both have in common is not known.
+                let clocks_m =
+                    vehicles[index].clock_error_s * state.speed_mps + vehicles[other].clock_error_s * theirs.speed_mps;
+                let ground = Ground::of(gap_s.max(their_gap_s), clocks_m);
                 self.judge_pair([other, index], &theirs, &state, ground, flight_s);
             }
             if vehicles[index].is_member {
@@ -290,6 +289,15 @@ mod tests {
         assert_eq!((verdict.separation_losses, verdict.vehicle_collisions, verdict.obstacle_collisions), (1, 0, 0));
         assert!(judge.grounds()[0].uncertainty_m < 0.1);
         assert_eq!((verdict.passed_last_obstacle, verdict.speed_convergence_s), (2, Some(0.0)));
+    }
+
+    #[test]
+    fn a_clock_that_may_be_wrong_makes_distances_uncertain_though_both_fly_alike() {
+        let tracks = [0.0, 30.0].map(|y_m| straight(y_m, (0..=100).map(|k| 0.1 * f64::from(k))));
+        let mut judge = TrackJudge::new(2, &[], EXPECTED, 8.0, 0.0);
+        let seen = |track, clock_error_s| Seen { track, clock_error_s, is_airborne: true, is_member: true };
+        judge.judge(&[seen(&tracks[0], 0.0), seen(&tracks[1], 2.0)], 20.0, 10.0);
+        assert!(judge.grounds()[0].uncertainty_m >= 40.0, "{:?}", judge.grounds());
     }
 
     #[test]

@@ -13,6 +13,8 @@ use flight_model::Setpoint;
 use serde_json::json;
 use std::time::Duration;
 
+/// A least distance that may be wrong by more than this is told to be so, m.
+const UNCERTAINTY_TOLD_M: f64 = 2.0;
 /// A vehicle that was not seen for longer is told as lost, s.
 const UNSEEN_TOLD_S: f64 = 3.0;
 
@@ -28,6 +30,9 @@ pub fn flight(mut station: Station, wall: Duration, links: serde_json::Value) ->
     for (index, unseen_s) in unseen_s.iter().enumerate().filter(|(_, unseen_s)| **unseen_s > UNSEEN_TOLD_S) {
         let text = format!("was not seen for {unseen_s:.1} s of the flight");
         station.told.once(now_s, Some(number(index)), "lost", Weight::Fault, text);
+    }
+    if let Some(logged) = &logged {
+        tell_uncertainty(&mut station, logged, now_s);
     }
     let vehicles = vehicles(&station, unseen_s);
     let grounds = logged.as_ref().map(|logged| logged.grounds);
@@ -93,6 +98,23 @@ fn failure(station: &Station, verdict: &Verdict, completed: bool, duration_s: f6
     match failure {
         Some(failure) if faults > 1 => Some(format!("{failure} (and {} faults more)", faults - 1)),
         other => other,
+    }
+}
+
+/// Tells which least distance may be far off.
+fn tell_uncertainty(station: &mut Station, logged: &Logged, now_s: f64) {
+    let Logged { verdict, grounds: [separation, clearance], .. } = logged;
+    let least = [
+        ("separation", verdict.separation.map(|least| least.value_m), separation),
+        ("clearance", verdict.clearance.map(|least| least.value_m), clearance),
+    ];
+    for (what, value_m, ground) in least {
+        let Some(value_m) = value_m.filter(|_| ground.uncertainty_m > UNCERTAINTY_TOLD_M) else { continue };
+        let text = format!(
+            "the least {what} of {value_m:.1} m may be wrong by {:.1} m: clocks or telemetry stood still",
+            ground.uncertainty_m
+        );
+        station.told.once(now_s, None, what, Weight::Warning, text);
     }
 }
 

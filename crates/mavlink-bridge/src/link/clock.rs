@@ -16,6 +16,8 @@ const BINS_MAX: usize = 12;
 const BIN_AGE_MAX_S: f64 = 60.0;
 /// Round trips are looked at for this long: the shortest of them tells the delay of the link.
 const ROUND_TRIPS: Duration = Duration::from_secs(20);
+/// Of the messages of so long the quickest tells how exactly the clock is known, s.
+const RECENT_S: f64 = 1.0;
 /// A drift is believed from messages that span this.
 const SPAN_MIN_S: f64 = 2.0;
 /// Clocks differ by at most this: a simulator that cannot keep up is the worst.
@@ -47,6 +49,7 @@ struct Fit {
     offset_s: f64,
     drift: f64,
     jitter_s: f64,
+    lateness_s: f64,
 }
 
 impl VehicleClock {
@@ -128,6 +131,12 @@ impl VehicleClock {
         self.fit.map(|fit| fit.jitter_s)
     }
 
+    /// How late even the quickest message of the last second came, s. Whether the link was slow or the vehicle's clock
+    /// has stood still nobody can tell: by so much its time may be wrong.
+    pub fn lateness_s(&self) -> Option<f64> {
+        self.fit.map(|fit| fit.lateness_s)
+    }
+
     /// Seconds by which the vehicle's clock falls behind in a second; positive for a simulator that cannot keep up.
     pub fn drift(&self) -> Option<f64> {
         self.fit.map(|fit| fit.drift)
@@ -155,7 +164,9 @@ impl VehicleClock {
         let offset_s = self.quickest.iter().map(residual).min_by(f64::total_cmp)?;
         let late_s: f64 = self.samples.iter().map(|sample| residual(sample) - offset_s).sum();
         let jitter_s = (late_s / self.samples.len().max(1) as f64).max(0.0);
-        Some(Fit { at_s: now_s, offset_s, drift, jitter_s })
+        let recent = self.samples.iter().rev().take_while(|(at_s, _)| now_s - at_s <= RECENT_S);
+        let lateness_s = recent.map(residual).min_by(f64::total_cmp).map_or(0.0, |least_s| least_s - offset_s).max(0.0);
+        Some(Fit { at_s: now_s, offset_s, drift, jitter_s, lateness_s })
     }
 
     /// The median slope between the quickest messages.
@@ -211,6 +222,20 @@ mod tests {
             clock.hear(boot_ms, Duration::from_secs_f64(f64::max(flown_s, 118.0)));
             let error_s = clock.ground_time_s(boot_ms).unwrap() - flown_s;
             assert!(error_s.abs() < 2e-3, "{flown_s}: {error_s}");
+        }
+    }
+
+    #[test]
+    fn a_clock_that_stood_still_may_be_wrong_by_as_much() {
+        let (mut clock, _) = clock(0.0, 0.01, |index| 0.002 * (index % 4) as f64, 100);
+        assert!(clock.lateness_s().unwrap() < 3e-3, "{:?}", clock.lateness_s());
+        // The simulator stands for two seconds, then it goes on.
+        for index in 120..132 {
+            let flown_s = 100.0 + 0.1 * index as f64;
+            let boot_ms = ((flown_s - 2.0 - 90.0) * 1e3).round() as u32;
+            clock.hear(boot_ms, Duration::from_secs_f64(flown_s + 0.01));
+            let error_s = (clock.ground_time_s(boot_ms).unwrap() - flown_s).abs();
+            assert!(error_s < clock.lateness_s().unwrap() + 0.01, "{index}: {error_s} {:?}", clock.lateness_s());
         }
     }
 

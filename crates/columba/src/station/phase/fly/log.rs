@@ -90,7 +90,7 @@ impl FlightLog {
                 let vehicle = &station.vehicles[index];
                 Seen {
                     track: vehicle.track(),
-                    clock_error_s: vehicle.clock().jitter_s().unwrap_or(0.0).min(0.5),
+                    clock_error_s: vehicle.clock().lateness_s().unwrap_or(0.0),
                     is_airborne: !vehicle.on_ground(),
                     is_member: vehicle.is_ours(),
                 }
