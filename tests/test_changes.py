@@ -45,10 +45,13 @@ def test_another_frame_is_denied(craft, frame):
     assert craft.text().text.endswith("is not accepted")
 
 
-def test_who_flies_by_hand_is_not_told_how_high(craft):
-    assert craft.set_mode(CRUISE) == ACCEPTED
-    assert craft.command_long(ALTITUDE, 60, RELATIVE) == DENIED
-    assert craft.text().text == "Altitude: mode is CRUISE"
+def test_by_hand_an_altitude_is_accepted_and_has_no_effect(fast):
+    # GCS_MAVLink_Plane.cpp: handle_command_int_DO_CHANGE_ALTITUDE asks for no mode.
+    before, *_ = fast.samples(1)
+    assert fast.set_mode(CRUISE) == ACCEPTED
+    assert fast.command_long(ALTITUDE, 60, RELATIVE) == ACCEPTED
+    *_, last = fast.samples(20)
+    assert last.altitude_m == pytest.approx(before.altitude_m, abs=0.5)
 
 
 def test_the_usual_speed_comes_back(fast):
