@@ -166,7 +166,9 @@ impl VehicleClock {
         let late_s: f64 = self.samples.iter().map(|sample| residual(sample) - offset_s).sum();
         let jitter_s = (late_s / self.samples.len().max(1) as f64).max(0.0);
         let recent = self.samples.iter().rev().take_while(|(at_s, _)| now_s - at_s <= RECENT_S);
-        let lateness_s = recent.map(residual).min_by(f64::total_cmp).map_or(0.0, |least_s| least_s - offset_s).max(0.0);
+        let least_s = recent.map(residual).min_by(f64::total_cmp).unwrap_or(offset_s);
+        // As in `ground_time_s`: a second of the ground is less than one of a clock that falls behind.
+        let lateness_s = ((least_s - offset_s) / (1.0 - drift)).max(0.0);
         Some(Fit { at_s: now_s, offset_s, drift, jitter_s, lateness_s })
     }
 
