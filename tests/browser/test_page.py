@@ -285,6 +285,9 @@ def test_simulated_vehicles_are_told_to_end_and_answer(open_page, start_vehicles
     page.click("dialog [data-say='abort loiter']")
     page.wait_for_selector("#answer:has-text('abort loiter: 3 of 3 have accepted')")
     third.wait(["HEARTBEAT"], lambda message: third.is_ours(message) and message.custom_mode == LOITER)
+    # The orders to a selected vehicle stay when the scene is told again, or the right to give orders only now.
+    page.evaluate("import('/page.js').then(({ hear }) => hear({ may: true }))")
+    page.wait_for_selector("#orders-one [data-verb='abort N']:enabled")
     # Whoever has no token can only watch.
     watcher = open_page(address_in(vehicles.errors).split("#")[0])
     watcher.wait_for_selector("#orders [data-verb=abort]:disabled")

@@ -23,6 +23,8 @@ export class Operator {
     this.waiting = new Map();
     this.next = 1;
     this.may = false;
+    this.one = [];
+    this.numbers = []; // of the vehicles that are selected
   }
 
   /** Makes the buttons that the flight has words for. */
@@ -36,12 +38,14 @@ export class Operator {
     this.one = own(FOR_ONE);
     this.page.note.textContent = verbs.length && !may ? "Watching only: the printed address with its token gives orders." : "";
     for (const button of this.page.all.children) button.disabled = !may;
-    this.select([]);
+    // A vehicle may be selected before the program has told that this page may give orders, and while a scene changes.
+    this.select(this.numbers);
   }
 
   /** Makes the buttons for the vehicles of these numbers. */
   select(numbers) {
-    const buttons = numbers.length ? (this.one ?? []).map((button) => this.button(button, () => numbers)) : [];
+    this.numbers = numbers;
+    const buttons = numbers.length ? this.one.map((button) => this.button(button, () => numbers)) : [];
     buttons.forEach((button) => { button.disabled = !this.may; });
     this.page.one.replaceChildren(...buttons);
   }
