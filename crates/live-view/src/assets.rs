@@ -46,6 +46,7 @@ pub const ALL: &[Asset] = &[
     asset!("/charts.js", "charts.js", JS),
     asset!("/choice.js", "choice.js", JS),
     asset!("/operator.js", "operator.js", JS),
+    asset!("/selected.js", "selected.js", JS),
     asset!("/vendor/uplot.js", "vendor/uPlot.iife.min.js", JS),
     asset!("/vendor/uplot.css", "vendor/uPlot.min.css", CSS),
 ];
@@ -56,7 +57,7 @@ pub fn find(path: &str) -> Option<&'static Asset> {
 }
 
 /// The modules of the page in an order in which each stands after those that it imports; without the connection.
-const MODULES: [&str; 16] = [
+const MODULES: [&str; 17] = [
     "/wire.js",
     "/player.js",
     "/camera.js",
@@ -72,6 +73,7 @@ const MODULES: [&str; 16] = [
     "/charts.js",
     "/choice.js",
     "/operator.js",
+    "/selected.js",
     "/page.js",
 ];
 

@@ -4,7 +4,7 @@ use crate::assets;
 use crate::connections::Peer;
 use crate::guard::{Refusal, admit};
 use crate::page::live;
-use crate::server::Shared;
+use crate::shared::Shared;
 use axum::Router;
 use axum::extract::connect_info::IntoMakeServiceWithConnectInfo;
 use axum::extract::{Request, State};
@@ -27,7 +27,7 @@ pub fn router(shared: Arc<Shared>) -> IntoMakeServiceWithConnectInfo<Router, Pee
 
 /// Lets requests in, or not, and says to browsers what the page may do: nothing beyond this server.
 async fn guarded(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
-    let mut response = match admit(request.headers(), shared.port) {
+    let mut response = match admit(request.headers(), shared.port()) {
         Ok(()) => next.run(request).await,
         Err(refusal) => {
             tracing::warn!(?refusal, "a request for the page is refused");

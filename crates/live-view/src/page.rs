@@ -1,7 +1,8 @@
 //! The connection of one browser: what it is sent, and what it says.
 
 use crate::connections::Peer;
-use crate::server::{Answer, Said, Shared, json};
+use crate::published::{Sent, text};
+use crate::shared::{Answer, Place, Said, Shared};
 use crate::tape::Wound;
 use axum::body::Bytes;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -16,8 +17,6 @@ use tokio::sync::{oneshot, watch};
 
 /// The longest word of a page, bytes.
 const WORD_MAX: usize = 4096;
-/// Pages at once.
-const PAGES_MAX: usize = 32;
 /// A page is asked so often whether it is there: of a recording that was sent there is nothing more to send.
 const ASK_EVERY: Duration = Duration::from_secs(10);
 /// A page that takes nothing for so long is let go.
@@ -36,47 +35,12 @@ pub async fn live(
     };
     tracing::debug!(%from, agent = ?headers.get(header::USER_AGENT), "a page opens");
     upgrade.max_message_size(WORD_MAX).max_frame_size(WORD_MAX).on_upgrade(move |socket| async move {
-        let page = Page { socket, from, shared: Arc::clone(&shared), sent: Sent::default(), looks_at: None };
+        let page = Page { socket, from, shared: Arc::clone(&shared), sent: Sent::default(), parts: 0, looks_at: None };
         let end = page.attend().await;
         shared.look(from, None);
         drop(place);
         tracing::debug!(%from, end, "a page is gone");
     })
-}
-
-/// The place of one page among those that are open at once.
-struct Place(Arc<Shared>);
-
-impl Place {
-    /// A place, if there is one.
-    fn take(shared: &Arc<Shared>) -> Option<Self> {
-        let is_taken = shared.pages.send_if_modified(|pages| {
-            let has_room = *pages < PAGES_MAX;
-            *pages += usize::from(has_room);
-            has_room
-        });
-        is_taken.then(|| Self(Arc::clone(shared)))
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.0.pages.send_modify(|pages| *pages -= 1);
-    }
-}
-
-/// What a page has been sent.
-#[derive(Debug, Default)]
-struct Sent {
-    scene: u64,
-    roster: u64,
-    summary: u64,
-    frame: u64,
-    choices: u64,
-    events: usize,
-    has_history: bool,
-    /// Parts of the recording.
-    parts: usize,
 }
 
 /// A browser.
@@ -85,6 +49,8 @@ struct Page {
     from: SocketAddr,
     shared: Arc<Shared>,
     sent: Sent,
+    /// How many parts of a recording it has been sent.
+    parts: usize,
     /// Number of the vehicle whose choices it is sent.
     looks_at: Option<u32>,
 }
@@ -106,9 +72,9 @@ struct Word {
 impl Page {
     /// Sends what is new and hears what is said, until the page is gone; gives the reason.
     async fn attend(mut self) -> &'static str {
-        let mut news = self.shared.news.subscribe();
+        let mut news = self.shared.news();
         news.mark_changed();
-        let tape = self.shared.tape.clone().unwrap_or_default();
+        let tape = self.shared.tape().cloned().unwrap_or_default();
         let mut wound = tape.subscribe();
         wound.mark_changed();
         loop {
@@ -153,50 +119,22 @@ impl Page {
         let (head, parts) = {
             let wound = wound.borrow_and_update();
             let Some(head) = &wound.head else { return Ok(()) };
-            (text(head), wound.parts[self.sent.parts..].to_vec())
+            (text(head), wound.parts[self.parts..].to_vec())
         };
         self.send(head).await?;
         for part in parts {
             self.send(Message::Binary(part)).await?;
-            self.sent.parts += 1;
+            self.parts += 1;
         }
         Ok(())
     }
 
     /// Sends what the page has not seen: of the frames only the newest.
     async fn send_news(&mut self) -> Result<(), &'static str> {
-        let mut messages = Vec::new();
-        let is_live = self.shared.tape.is_none();
-        let is_over = {
-            let published = self.shared.lock();
-            let sent = &mut self.sent;
-            for (known, (version, bytes)) in [
-                (&mut sent.scene, &published.scene),
-                (&mut sent.roster, &published.roster),
-                (&mut sent.summary, &published.summary),
-            ] {
-                if known != version && is_live {
-                    *known = *version;
-                    messages.push(text(bytes));
-                }
-            }
-            if !std::mem::replace(&mut sent.has_history, true) {
-                messages.extend(published.history.iter().cloned().map(Message::Binary));
-            }
-            if sent.events < published.events.len() {
-                messages.push(text(&json("told", &&published.events[sent.events..])));
-                sent.events = published.events.len();
-            }
-            let choices = self.looks_at.and_then(|vehicle| published.choices.after(vehicle, sent.choices));
-            if let Some((count, choices)) = choices {
-                sent.choices = count;
-                messages.push(Message::Text(format!("{{\"choices\":{choices}}}").into()));
-            }
-            if sent.frame != published.frame.0 && is_live {
-                sent.frame = published.frame.0;
-                messages.push(Message::Binary(published.frame.1.clone()));
-            }
-            published.is_over
+        let is_live = self.shared.tape().is_none();
+        let (messages, is_over) = {
+            let published = self.shared.published();
+            (published.unsent(&mut self.sent, self.looks_at, is_live), published.is_over())
         };
         for message in messages {
             self.send(message).await?;
@@ -228,7 +166,7 @@ impl Page {
             return None;
         }
         let shared = &self.shared;
-        if !shared.token.is(word.token.as_deref().unwrap_or_default()) {
+        if !shared.token().is(word.token.as_deref().unwrap_or_default()) {
             shared.refuse(|counts| counts.token += 1);
             tracing::warn!(from = %self.from, say = ?word.say, "a word without the right token is refused");
             let text = "refused: the address has no token, or another program's; open the printed address";
@@ -236,7 +174,7 @@ impl Page {
         }
         let Some(say) = word.say else { return Some(serde_json::json!({"may": true}).to_string()) };
         let (answer, answered) = oneshot::channel();
-        if shared.say.try_send(Said { text: say, from: self.from, answer }).is_err() {
+        if !shared.say(Said { text: say, from: self.from, answer }) {
             return Some(refusal(word.id, "nothing here takes orders"));
         }
         Some(match tokio::time::timeout(SEND_PATIENCE, answered).await {
@@ -248,13 +186,9 @@ impl Page {
     /// It is sent the choices of another vehicle, from the first that is known.
     fn look_at(&mut self, vehicle: Option<u32>) {
         self.looks_at = vehicle;
-        self.sent.choices = 0;
+        self.sent.forget_choices();
         self.shared.look(self.from, vehicle);
     }
-}
-
-fn text(bytes: &Bytes) -> Message {
-    Message::Text(String::from_utf8_lossy(bytes).into_owned().into())
 }
 
 fn answered_json(id: u64, Answer { is_done, text }: &Answer) -> String {
