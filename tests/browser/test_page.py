@@ -139,7 +139,11 @@ def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, sta
     until(page, "columba.events.some((event) => event.text.includes('dropped by the operator'))")
     # Whoever has no token can only watch: the button, and whoever speaks past it.
     watcher.wait_for_selector("#orders [data-verb=abort]:disabled")
-    forged = "new Promise((done) => { const s = new WebSocket(`ws://${location.host}/live`); s.onopen = () => s.send(JSON.stringify({token: '', say: 'abort', id: 1})); s.onmessage = ({data}) => typeof data === 'string' && data.includes('answer') && done(data); })"
+    forged = """new Promise((done) => {
+      const socket = new WebSocket(`ws://${location.host}/live`);
+      socket.onopen = () => socket.send(JSON.stringify({ token: '', say: 'abort', id: 1 }));
+      socket.onmessage = ({ data }) => typeof data === 'string' && data.includes('answer') && done(data);
+    })"""
     assert "refused" in watcher.evaluate(forged)
     page.click("#orders [data-verb=abort]")
     page.click("dialog [data-say='abort loiter']")
@@ -164,12 +168,18 @@ def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page,
         page.click("#tab-selected")
         page.wait_for_selector("#choice h3:has-text('MSLPIO chose at')")
         until(page, "columba.choices.shown()?.at_s > 4")
-        # Other members of the front can be looked at by the keyboard, and their weights are said.
-        page.focus("#choice .front")
+        # Other members of the front can be looked at by the keyboard, and their weights are said; the next choice of the
+        # flight takes no focus away.
+        page.focus("#choice")
+        focused_s = page.evaluate("columba.choices.shown().at_s")
+        until(page, f"columba.choices.shown().at_s > {focused_s} && columba.choices.shown().members.length > 1")
+        until(page, "columba.choices.drawn === columba.choices.shown()")
+        assert page.evaluate("document.activeElement.id === 'choice'")
+        page.evaluate("columba.player.toggle()")
         page.keyboard.press("ArrowRight")
         page.wait_for_selector("#choice .note:has-text('hosen: formation')")
         # What was chosen before the vehicle was selected is remembered, too.
-        page.evaluate("columba.player.toggle(); columba.player.seek(2.2)")
+        page.evaluate("columba.player.seek(2.2)")
         until(page, "columba.choices.shown()?.at_s === 2")
         page.wait_for_selector("#choice h3:has-text('MSLPIO chose at 2.0 s')")
         off_m = (

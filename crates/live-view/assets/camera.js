@@ -45,6 +45,11 @@ export class Camera {
     return out;
   }
 
+  /** Whether a place in the picture is within its edges. */
+  shows([x, y]) {
+    return x > 0 && y > 0 && x < this.width && y < this.height;
+  }
+
   /** Pixels of a place, or null where it is behind the camera. */
   project(x, y, z) {
     const [dx, dy, dz] = [x - this.centre[0], y - this.centre[1], z - this.centre[2]];

@@ -4,10 +4,13 @@ const DEGREES = 180 / Math.PI;
 
 const CHARTS = [
   { title: "Speed (m/s)", lines: [["flown", (m, i) => m.speed(i)], ["asked", (m, i) => m.speedAsked(i)]] },
-  { title: "Course (\u00b0)", isAngle: true, lines: [["flown", (m, i) => m.course(i) * DEGREES], ["asked", (m, i) => m.courseAsked(i) * DEGREES]] },
+  { title: "Course (\u00b0)", isAngle: true,
+    lines: [["flown", (m, i) => m.course(i) * DEGREES], ["asked", (m, i) => m.courseAsked(i) * DEGREES]] },
   { title: "Altitude (m)", lines: [["flown", (m, i) => m.altitude(i)], ["asked", (m, i) => m.altitudeAsked(i)]] },
-  { title: "Weights \u03b1", lines: [["formation", (m, i) => m.weight(0, i)], ["obstacle", (m, i) => m.weight(1, i)], ["velocity", (m, i) => m.weight(2, i)]] },
-  { title: "Distances (m)", lines: [["separation", (m, i) => m.separation(i)], ["clearance", (m, i) => m.clearance(i)]] },
+  { title: "Weights \u03b1",
+    lines: ["formation", "obstacle", "velocity"].map((term, k) => [term, (m, i) => m.weight(k, i)]) },
+  { title: "Distances (m)",
+    lines: [["separation", (m, i) => m.separation(i)], ["clearance", (m, i) => m.clearance(i)]] },
   { title: "Link age (s)", lines: [["age", (m, i) => m.age(i)]] },
 ];
 const DASHES = [[], [6, 4], [2, 3]];
@@ -40,17 +43,23 @@ export class Charts {
     for (const chart of CHARTS) {
       const data = this.read(chart);
       // Nobody needs a chart of what this flight does not have.
-      const lines = chart.lines.map((line, k) => ({ line, values: data[k + 1] })).filter(({ values }) => values.some((v) => v !== null));
-      if (!lines.length) continue;
-      const axis = { stroke: css("soft"), grid: { stroke: css("line"), width: 1 }, ticks: { stroke: css("line") }, font: `${Math.round(0.8 * rem)}px system-ui` };
+      if (!data.slice(1).some((values) => values.some((value) => value !== null))) continue;
+      const axis = {
+        stroke: css("soft"), grid: { stroke: css("line"), width: 1 }, ticks: { stroke: css("line") },
+        font: `${Math.round(0.8 * rem)}px system-ui`,
+      };
+      const series = chart.lines.map(([label], k) => ({
+        label, stroke: colours[k], width: 1.6, dash: DASHES[k], spanGaps: false,
+      }));
+      const seek = (plot) => this.onSeek(plot.posToVal(plot.cursor.left, "x"));
       const options = {
-        title: chart.title, width: Math.max(200, this.element.clientWidth - 8), height: 9.4 * rem,
+        title: chart.title, width: this.width(), height: 9.4 * rem,
         scales: { x: { time: false } },
         cursor: { sync: { key: "vehicle" }, y: false },
         legend: { show: true, live: true },
         axes: [{ ...axis, size: 1.9 * rem }, { ...axis, size: 3.3 * rem }],
-        series: [{ label: "s" }, ...chart.lines.map(([label], k) => ({ label, stroke: colours[k], width: 1.6, dash: DASHES[k], spanGaps: false }))],
-        hooks: { ready: [(plot) => plot.over.addEventListener("dblclick", () => this.onSeek(plot.posToVal(plot.cursor.left, "x")))] },
+        series: [{ label: "s" }, ...series],
+        hooks: { ready: [(plot) => plot.over.addEventListener("dblclick", () => seek(plot))] },
       };
       this.plots.push({ chart, plot: new uPlot(options, data, this.element) });
     }
@@ -58,7 +67,8 @@ export class Charts {
 
   read(chart) {
     const i = this.index;
-    const data = this.player.series(chart.lines.map(([, read]) => (moment) => i < moment.n && moment.isPlaced(i) ? read(moment, i) : NaN));
+    const where = (read) => (moment) => i < moment.n && moment.isPlaced(i) ? read(moment, i) : NaN;
+    const data = this.player.series(chart.lines.map(([, read]) => where(read)));
     if (chart.isAngle) unwrap(data);
     return data;
   }
@@ -75,11 +85,18 @@ export class Charts {
   }
 
   resize() {
-    for (const { plot } of this.plots) plot.setSize({ width: Math.max(200, this.element.clientWidth - 8), height: plot.height });
+    for (const { plot } of this.plots) plot.setSize({ width: this.width(), height: plot.height });
+  }
+
+  width() {
+    return Math.max(200, this.element.clientWidth - 8);
   }
 }
 
-/** Courses without jumps from 360 to 0: each value is the nearest to the one before, the first within half a turn of north. */
+/**
+ * Courses without jumps from 360 to 0: each value is the nearest to the one before, the first within half a turn of
+ * north.
+ */
 function unwrap([, ...columns]) {
   let before = 0;
   for (let at = 0; at < columns[0].length; at++) {

@@ -62,7 +62,8 @@ export class Choices {
     const choice = this.shown();
     if (!choice) return null;
     const { members, chosen, evasion_path_m: evasion } = choice;
-    return { all: members.map(({ path_m }) => path_m), chosen: members[chosen].path_m, pointed: members[this.pointed]?.path_m ?? null, evasion };
+    const pointed = members[this.pointed]?.path_m ?? null;
+    return { all: members.map(({ path_m }) => path_m), chosen: members[chosen].path_m, pointed, evasion };
   }
 
   /** Draws the front beside the picture, if it is another one. */
@@ -92,15 +93,20 @@ export class Choices {
     const isAlone = choice.members.length === 1;
     const words = [`${this.pointed === null || this.pointed === choice.chosen ? "Chosen" : "Not chosen"}: ${weights}.`];
     if (isAlone) words.push("No other choice was found that is better in either cost.");
-    if (choice.violation_m > 0) words.push(`No member keeps all distances: ${choice.violation_m.toFixed(2)} m short in all.`);
-    if (choice.evasion_path_m) words.push("Evasion: the ways of the flock came too near, and another command was sent.");
+    const short_m = choice.violation_m;
+    if (short_m > 0) words.push(`No member keeps all distances: ${short_m.toFixed(2)} m short in all.`);
+    if (choice.evasion_path_m) {
+      words.push("Evasion: the ways of the flock came too near, and another command was sent.");
+    }
     this.words.textContent = words.join(" ");
   }
 
   front(choice) {
     const width = Math.max(220, this.width - 8);
-    const svg = shape("svg", { width, height: HEIGHT, viewBox: `0 0 ${width} ${HEIGHT}`, role: "img", tabindex: 0, class: "front" });
-    svg.setAttribute("aria-label", `Pareto front of ${choice.members.length} choices; left and right arrows go from one to the next`);
+    const viewBox = `0 0 ${width} ${HEIGHT}`;
+    const svg = shape("svg", { width, height: HEIGHT, viewBox, role: "img", class: "front" });
+    const label = `Pareto front of ${choice.members.length} choices; left and right arrows go from one to the next`;
+    svg.setAttribute("aria-label", label);
     const range = (k) => {
       const values = choice.members.map(({ costs }) => costs[k]);
       const [low, high] = [Math.min(...values), Math.max(...values)];
@@ -114,7 +120,8 @@ export class Choices {
     const [left, bottom] = [MARGIN.left, HEIGHT - MARGIN.bottom];
     svg.append(shape("path", { d: `M${left} ${MARGIN.top}V${bottom}H${width - MARGIN.right}`, class: "axis" }));
     const write = (text, x, y, anchor, turn) => {
-      const words = shape("text", { x, y, "text-anchor": anchor, ...(turn ? { transform: `rotate(-90 ${x} ${y})` } : {}) });
+      const turned = turn ? { transform: `rotate(-90 ${x} ${y})` } : {};
+      const words = shape("text", { x, y, "text-anchor": anchor, ...turned });
       words.textContent = text;
       svg.append(words);
     };
@@ -130,7 +137,8 @@ export class Choices {
     svg.append(shape("path", { d: `M${ideal[0] - 4} ${ideal[1] - 4}l8 8m0 -8l-8 8`, class: "ideal" }));
     this.dots = choice.members.map((member, index) => {
       const [cx, cy] = place(member.costs);
-      const dot = shape("circle", { cx, cy, r: index === choice.chosen ? 6 : 3.5, class: index === choice.chosen ? "chosen" : "member" });
+      const [r, kind] = index === choice.chosen ? [6, "chosen"] : [3.5, "member"];
+      const dot = shape("circle", { cx, cy, r, class: kind });
       dot.addEventListener("pointerenter", () => this.point(index));
       dot.addEventListener("pointerleave", () => this.point(null));
       return dot;

@@ -36,7 +36,8 @@ export class Operator {
       .filter((button) => button.choices ? button.choices.length : has(button.verb));
     this.page.all.replaceChildren(...own(FOR_ALL).map((button) => this.button(button, () => [null])));
     this.one = own(FOR_ONE);
-    this.page.note.textContent = verbs.length && !may ? "Watching only: the printed address with its token gives orders." : "";
+    const isWatching = verbs.length && !may;
+    this.page.note.textContent = isWatching ? "Watching only: the printed address with its token gives orders." : "";
     for (const button of this.page.all.children) button.disabled = !may;
     // A vehicle may be selected before the program has told that this page may give orders, and while a scene changes.
     this.select(this.numbers);
@@ -64,7 +65,9 @@ export class Operator {
   /** The second step. */
   ask(asks, choices, numbers) {
     const dialog = this.page.dialog;
-    const name = numbers[0] === null ? "" : numbers.length > 6 ? `${numbers.length} vehicles: each ` : `Vehicle ${numbers.join(", ")} `;
+    const isMany = numbers.length > 6;
+    const names = isMany ? `${numbers.length} vehicles: each ` : `Vehicle ${numbers.join(", ")} `;
+    const name = numbers[0] === null ? "" : names;
     dialog.querySelector("p").textContent = name + asks;
     const buttons = choices.map(([words, label]) => {
       const button = document.createElement("button");

@@ -63,7 +63,8 @@ export class Overlay {
       context.strokeStyle = palette.ink;
       context.setLineDash([4, 3]);
       context.lineWidth = 1;
-      context.strokeRect(Math.min(box[0], box[2]), Math.min(box[1], box[3]), Math.abs(box[2] - box[0]), Math.abs(box[3] - box[1]));
+      const [x0, y0, x1, y1] = box;
+      context.strokeRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
       context.setLineDash([]);
     }
   }
@@ -81,7 +82,7 @@ export class Overlay {
     const seen = [];
     for (let i = 0; i < flock.n && seen.length <= LABELS_MAX; i++) {
       const place = flock.x[i] === flock.x[i] ? at(i) : null;
-      if (place && place[0] > 0 && place[1] > 0 && place[0] < camera.width && place[1] < camera.height) seen.push([i, place]);
+      if (place && camera.shows(place)) seen.push([i, place]);
     }
     if (seen.length > LABELS_MAX) return;
     // A number that would cover another stands at another corner, or is left out; it stays where it was if it can.
@@ -91,8 +92,10 @@ export class Overlay {
       const text = labels(i);
       const half = (4 + 4 * text.length) * this.size;
       const before = this.corners.get(i) ?? 0;
-      const box = (corner) => [place[0] + this.size * CORNERS[corner][0], place[1] + this.size * CORNERS[corner][1], half];
-      const isFree = ([x, y, width]) => taken.every(([x2, y2, width2]) => Math.abs(x - x2) >= width + width2 - 4 || Math.abs(y - y2) >= 13 * this.size);
+      const at = (corner, k) => place[k] + this.size * CORNERS[corner][k];
+      const box = (corner) => [at(corner, 0), at(corner, 1), half];
+      const isFree = ([x, y, width]) => taken.every(([x2, y2, width2]) =>
+        Math.abs(x - x2) >= width + width2 - 4 || Math.abs(y - y2) >= 13 * this.size);
       const corner = [before, 0, 1, 2, 3].find((corner) => isFree(box(corner)));
       if (corner === undefined) continue;
       this.corners.set(i, corner);
@@ -140,7 +143,11 @@ export class Overlay {
       context.beginPath();
       const points = trace(path);
       context.stroke();
-      for (const [x, y] of points.slice(1)) { context.beginPath(); context.arc(x, y, width + 0.5, 0, 2 * Math.PI); context.fill(); }
+      for (const [x, y] of points.slice(1)) {
+        context.beginPath();
+        context.arc(x, y, width + 0.5, 0, 2 * Math.PI);
+        context.fill();
+      }
     };
     [context.strokeStyle, context.lineWidth, context.globalAlpha] = [palette.calm, 1, 0.35];
     context.beginPath();
@@ -195,7 +202,11 @@ export class Overlay {
     context.strokeStyle = palette.accent;
     context.lineWidth = 2;
     context.beginPath();
-    context.moveTo(0, 14); context.lineTo(0, -14); context.lineTo(-5, -7); context.moveTo(0, -14); context.lineTo(5, -7);
+    context.moveTo(0, 14);
+    context.lineTo(0, -14);
+    context.lineTo(-5, -7);
+    context.moveTo(0, -14);
+    context.lineTo(5, -7);
     // A calm has no direction.
     if (wind.speed_mps >= 0.1) context.stroke();
     context.restore();

@@ -1,5 +1,5 @@
-// The page: what it is told, what it shows beside the picture, its buttons and keys. It asks nobody for anything: a live
-// flight comes by `live.js`, and a recording may stand in the page itself.
+// The page: what it is told, what it shows beside the picture, its buttons and keys. It asks nobody for anything: a
+// live flight comes by `live.js`, and a recording may stand in the page itself.
 
 import { momentsOf } from "./wire.js";
 import { Player } from "./player.js";
@@ -8,11 +8,11 @@ import { Table, stateOf } from "./table.js";
 import { Charts } from "./charts.js";
 import { Choices } from "./choice.js";
 import { Operator } from "./operator.js";
+import { Selected } from "./selected.js";
 
 const element = (id) => document.getElementById(id);
 const parameters = new URLSearchParams(location.search);
 const EVENTS_SHOWN = 500;
-const SELECTED_SHOWN = 20;
 
 export const player = new Player();
 const stage = new Stage(element("stage"), player, ["canvas", "webgl"].find((name) => parameters.has(name)));
@@ -22,8 +22,17 @@ const choices = new Choices(element("choice"), player);
 let sayTo = () => false;
 let lookTo = () => {};
 const operator = new Operator(
-  { all: element("orders"), one: element("orders-one"), note: element("order-note"), dialog: element("ask"), answer: element("answer") },
+  {
+    all: element("orders"), one: element("orders-one"), note: element("order-note"),
+    dialog: element("ask"), answer: element("answer"),
+  },
   (words) => sayTo(words));
+const selected = new Selected(
+  {
+    hint: element("selected-hint"), name: element("selected-name"), facts: element("selected-facts"),
+    several: element("selected-several"), events: element("selected-events"),
+  },
+  stage, fillEvents);
 let roster = { version: 0, numbers: [], systems: [], kinds: [], modes: [] };
 let scene = { circles: [], outlines: [], verbs: [] };
 let events = [];
@@ -71,7 +80,8 @@ function setRoster(next) {
 
 function setSummary({ phase, least }) {
   element("phase").textContent = phase;
-  setLeast("least-separation", "separation", least.separation, least, (value) => scene.separation_m > 0 && value < scene.separation_m);
+  const isTooNear = (value) => scene.separation_m > 0 && value < scene.separation_m;
+  setLeast("least-separation", "separation", least.separation, least, isTooNear);
   setLeast("least-clearance", "clearance", least.clearance, least, (value) => value < 0);
 }
 
@@ -84,7 +94,8 @@ function setLeast(id, what, least, { is_of_flight: isOfFlight }, isBad) {
   };
   button.textContent = least ? words(least) : "";
   button.classList.toggle("bad", Boolean(least) && isBad(least.value_m));
-  const basis = isOfFlight ? scene.distances_rest_on || "measured by the flight at every step" : "of the moments that this page was sent";
+  const ofFlight = scene.distances_rest_on || "measured by the flight at every step";
+  const basis = isOfFlight ? ofFlight : "of the moments that this page was sent";
   button.title = `The least ${what} so far: ${basis}. Click to go there.`;
   button.onclick = () => goTo(least.vehicles, least.at_s);
 }
@@ -156,7 +167,8 @@ function fillEvents(list, some) {
     time.textContent = `${event.at_s.toFixed(1)} s`;
     const text = document.createElement("span");
     const who = document.createElement("b");
-    who.textContent = event.vehicles.length ? `${event.vehicles.length > 1 ? "vehicles" : "vehicle"} ${event.vehicles.join(" and ")}: ` : "";
+    const names = event.vehicles.join(" and ");
+    who.textContent = names && `${event.vehicles.length > 1 ? "vehicles" : "vehicle"} ${names}: `;
     text.append(who, event.text);
     item.append(time, text);
     item.tabIndex = 0;
@@ -211,64 +223,10 @@ function goToNextAlarm() {
   stage.lookAt([i]);
 }
 
-const number = (value, digits, unit) => Number.isFinite(value) ? `${value.toFixed(digits).replace("-", "\u2212")}${unit === "\u00b0" ? "" : " "}${unit}` : "\u2013";
-
 function drawSelected() {
-  const chosen = [...stage.selected];
-  const [i] = chosen;
-  const one = chosen.length === 1;
-  element("selected-hint").hidden = chosen.length > 0;
-  element("selected-name").textContent = chosen.length === 0 ? "No vehicle is selected"
-    : one ? `Vehicle ${roster.numbers[i] ?? i + 1}` : `${chosen.length} vehicles: ${chosen.slice(0, 12).map((k) => roster.numbers[k] ?? k + 1).join(", ")}${chosen.length > 12 ? " \u2026" : ""}`;
-  charts.show(one ? i : null);
+  charts.show(stage.selected.size === 1 ? [...stage.selected][0] : null);
   choices.draw();
-  const facts = element("selected-facts");
-  const moment = player.shownStatus();
-  element("selected-several").replaceChildren(...(one || !moment ? [] : severalOf(chosen.filter((k) => k < moment.n), moment)));
-  if (!one || !moment || i >= moment.n) { facts.replaceChildren(); element("selected-events").replaceChildren(); return; }
-  const weights = [0, 1, 2].map((term) => moment.weight(term, i));
-  const rows = [
-    ["is", roster.kinds[i]], ["system id", roster.systems[i] || ""], ["mode", roster.modes[moment.mode(i)]], ["state", stateOf(moment.flags(i))],
-    ["north", number(moment.x(i), 1, "m")], ["east", number(moment.y(i), 1, "m")], ["altitude", number(moment.altitude(i), 1, "m")],
-    ["speed", number(moment.speed(i), 1, "m/s")], ["course", number(moment.course(i) * 180 / Math.PI, 0, "\u00b0")],
-    ["separation", number(moment.separation(i), 1, "m")], ["clearance", number(moment.clearance(i), 1, "m")],
-    ["link age", Number.isFinite(moment.age(i)) ? number(moment.age(i), 1, "s") : ""],
-    ["weights chosen", Number.isFinite(weights[0]) ? weights.map((value) => value.toFixed(2)).join(" / ") : ""],
-    ["asked", Number.isFinite(moment.speedAsked(i)) ? `${moment.speedAsked(i).toFixed(1)} m/s, ${(moment.courseAsked(i) * 180 / Math.PI).toFixed(0)}\u00b0` : ""],
-  ].filter(([, value]) => value);
-  facts.replaceChildren(...rows.map(([name, value]) => {
-    const [row, term, definition] = ["div", "dt", "dd"].map((kind) => document.createElement(kind));
-    term.textContent = name;
-    definition.textContent = value;
-    row.append(term, definition);
-    return row;
-  }));
-  const own = events.filter((event) => event.vehicles.includes(roster.numbers[i])).slice(-50).reverse();
-  if (own.length !== drawSelected.count || drawSelected.index !== i) {
-    [drawSelected.count, drawSelected.index] = [own.length, i];
-    fillEvents(element("selected-events"), own);
-  }
-}
-
-/** Several selected vehicles in a line each; of two, how far they are apart. */
-function severalOf(chosen, moment) {
-  const lines = chosen.slice(0, SELECTED_SHOWN).map((k) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    const words = [roster.modes[moment.mode(k)], stateOf(moment.flags(k)), `separation ${number(moment.separation(k), 1, "m")}`, `clearance ${number(moment.clearance(k), 1, "m")}`];
-    button.textContent = `vehicle ${roster.numbers[k] ?? k + 1}: ${words.filter(Boolean).join(", ")}`;
-    button.onclick = () => stage.select([k]);
-    return button;
-  });
-  if (chosen.length === 2) {
-    const [a, b] = chosen;
-    const apart = document.createElement("p");
-    const { x, y, z } = stage.flock;
-    const [metres, higher] = [Math.hypot(x[a] - x[b], y[a] - y[b]), Math.abs(z[a] - z[b])];
-    apart.textContent = `At ${player.now.toFixed(1)} s they are ${number(metres, 1, "m")} apart, and ${number(higher, 1, "m")} in height.`;
-    lines.push(apart);
-  }
-  return lines;
+  selected.draw(roster, events);
 }
 
 stage.ways = () => choices.ways();
@@ -298,7 +256,9 @@ function openTab(name) {
   }
   slowly();
 }
-for (const tab of document.querySelectorAll("[role=tab]")) tab.addEventListener("click", () => openTab(tab.getAttribute("aria-controls")));
+for (const tab of document.querySelectorAll("[role=tab]")) {
+  tab.addEventListener("click", () => openTab(tab.getAttribute("aria-controls")));
+}
 
 // ---- Buttons and keys ----
 
@@ -326,7 +286,10 @@ press("play", () => player.toggle());
 press("back", () => player.step(-1));
 press("forth", () => player.step(1));
 press("live", () => player.goLive());
-element("colour-by").addEventListener("change", ({ target }) => { stage.colourBy = target.value; stage.isStale = true; });
+element("colour-by").addEventListener("change", ({ target }) => {
+  stage.colourBy = target.value;
+  stage.isStale = true;
+});
 element("speed").addEventListener("change", ({ target }) => { player.speed = Number(target.value); });
 element("scrub").addEventListener("input", ({ target }) => {
   player.seek(player.start + (player.last - player.start) * Number(target.value) / 1000);
@@ -371,7 +334,9 @@ function slowly(clock = performance.now()) {
   element("play").textContent = isRunning ? "Pause" : "Play";
   element("live").hidden = player.isLive || player.isRecording;
   const span = player.last - player.start;
-  if (document.activeElement !== element("scrub") || isRunning) element("scrub").value = span > 0 ? 1000 * (player.now - player.start) / span : 1000;
+  if (document.activeElement !== element("scrub") || isRunning) {
+    element("scrub").value = span > 0 ? 1000 * (player.now - player.start) / span : 1000;
+  }
   showConnection();
   element("clock").textContent = `${player.now.toFixed(1)} s`;
   if (!element("vehicles").hidden) table.draw();

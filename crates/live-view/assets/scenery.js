@@ -52,19 +52,21 @@ export function makeScenery(painter, palette, { circles, outlines, altitude_m: a
 export class Grid {
   make(painter, palette, camera) {
     const step = gridStep(camera.scale) * (camera.is3d ? 2 : 1);
-    const key = [step, camera.is3d, ...[0, 1].map((k) => Math.round(camera.centre[k] / step)), camera.width, camera.height, palette.line].join();
+    const centre = [0, 1].map((k) => Math.round(camera.centre[k] / step));
+    const key = [step, camera.is3d, ...centre, camera.width, camera.height, palette.line].join();
     if (key === this.key) return;
     this.key = key;
-    const reach = step * Math.ceil((camera.is3d ? 2.2 : 0.75) * Math.hypot(camera.width, camera.height) / camera.scale / step);
-    const [north, east] = [0, 1].map((k) => Math.round(camera.centre[k] / step) * step);
+    const lines = (camera.is3d ? 2.2 : 0.75) * Math.hypot(camera.width, camera.height) / camera.scale / step;
+    const reach = step * Math.ceil(lines);
+    const [north, east] = centre.map((line) => line * step);
     const colour = wordOfCss(palette.line, 1);
     const grid = new Shapes(400);
     // In 3-D a line in pieces: a piece that ends behind the camera is not drawn, but the rest of the line is.
     const piece = camera.is3d ? step : 2 * reach;
     for (let offset = -reach; offset <= reach; offset += step) {
       for (let from = -reach; from < reach; from += piece) {
-        grid.corner(north + from, east + offset, 0, colour); grid.corner(north + from + piece, east + offset, 0, colour);
-        grid.corner(north + offset, east + from, 0, colour); grid.corner(north + offset, east + from + piece, 0, colour);
+        for (const along of [from, from + piece]) grid.corner(north + along, east + offset, 0, colour);
+        for (const along of [from, from + piece]) grid.corner(north + offset, east + along, 0, colour);
       }
     }
     painter.setShapes("grid", "lines", grid.used);

@@ -66,8 +66,8 @@ export class Stage {
   readPalette() {
     const style = getComputedStyle(document.documentElement);
     const css = (name) => style.getPropertyValue(`--${name}`).trim();
-    this.palette = Object.fromEntries(["page", "ink", "soft", "accent", "calm", "warn", "fault", "circle", "line", "fence"]
-      .map((name) => [name, css(name)]));
+    const names = ["page", "ink", "soft", "accent", "calm", "warn", "fault", "circle", "line", "fence"];
+    this.palette = Object.fromEntries(names.map((name) => [name, css(name)]));
     this.palette.chosen = css("s2");
     this.painter.setBackground(this.palette.page);
     this.isStale = true;
@@ -107,7 +107,8 @@ export class Stage {
       const until = player.now, from = until - span;
       const first = player.indexAt(from);
       const last = player.indexAt(until);
-      const moments = player.moments.slice(first, last + 1).filter((moment) => moment.time >= from && moment.time <= until);
+      const isShown = ({ time }) => time >= from && time <= until;
+      const moments = player.moments.slice(first, last + 1).filter(isShown);
       // A trail needs few corners, however many moments there are.
       const stride = Math.max(1, Math.ceil(moments.length / (flock.n > 100 ? 20 : 80)));
       const base = wordOfCss(this.palette.calm, 0) & 0xffffff;
@@ -116,7 +117,8 @@ export class Stage {
         for (let k = moments.length - 1; k >= -stride; k -= stride) {
           const moment = moments[Math.max(0, k)];
           if (!moment || i >= moment.n) break;
-          const here = before ? [moment.x(i), moment.y(i), moment.altitude(i), moment.time] : [flock.x[i], flock.y[i], flock.z[i], until];
+          const then = () => [moment.x(i), moment.y(i), moment.altitude(i), moment.time];
+          const here = before ? then() : [flock.x[i], flock.y[i], flock.z[i], until];
           if (before && Number.isFinite(here[0]) && Number.isFinite(before[0])) {
             // In a few steps: all of one colour is drawn in one go.
             const opacity = 20 * Math.round(10 * Math.max(0, 1 - (until - here[3]) / span));
@@ -150,7 +152,9 @@ export class Stage {
     if (quantity && status) {
       let [low, high] = [Infinity, -Infinity];
       const values = Array.from({ length: Math.min(flock.n, status.n) }, (_, i) => quantity.of(status, i));
-      for (const value of values) if (Number.isFinite(value)) { low = Math.min(low, value); high = Math.max(high, value); }
+      for (const value of values) {
+        if (Number.isFinite(value)) [low, high] = [Math.min(low, value), Math.max(high, value)];
+      }
       for (let i = 0; i < flock.n; i++) flock.colour[i] = ramp((values[i] - low) / Math.max(1e-6, high - low));
       if (low <= high) this.scaleText = `${low.toFixed(1)} to ${high.toFixed(1)} ${quantity.unit}`;
       return;
@@ -184,7 +188,8 @@ export class Stage {
     const moves = ahead > 0 && flock.n > 0 && player.newest && player.newest.rate > 0;
     if (!isNew && !this.isStale && !moves) return;
     this.grid.make(this.painter, this.palette, camera);
-    const layers = camera.is3d ? ["grid", "discs", "walls", "edges", "posts", "outlines", "trails"] : ["grid", "discs", "edges", "outlines", "trails"];
+    const [walls, posts] = camera.is3d ? [["walls"], ["posts"]] : [[], []];
+    const layers = ["grid", "discs", ...walls, "edges", ...posts, "outlines", "trails"];
     const size = (flock.n > 2000 ? 4 : flock.n > 60 ? 6 : 9) * this.overlay.size;
     this.painter.draw(camera, layers, size, ahead);
     this.frames++;
@@ -233,14 +238,17 @@ export class Stage {
     if (this.player.isRecording) {
       const moments = this.player.moments;
       const stride = Math.max(1, Math.floor(moments.length / 50));
-      for (let k = 0; k < moments.length; k += stride) for (let i = 0; i < moments[k].n; i++) add(moments[k].x(i), moments[k].y(i), 0);
+      for (let k = 0; k < moments.length; k += stride) {
+        for (let i = 0; i < moments[k].n; i++) add(moments[k].x(i), moments[k].y(i), 0);
+      }
     }
     if (north < south) [north, south, east, west] = [50, -50, 50, -50];
     // A field that is longer than wide lies across a wide picture, and stands in a tall one.
     const isLongNorth = north - south > 1.6 * (east - west);
     const isLongEast = east - west > 1.6 * (north - south);
     const isWide = this.camera.width > this.camera.height;
-    if (!this.isTurned) this.camera.heading = (isLongNorth && isWide) ? -Math.PI / 2 : (isLongEast && !isWide) ? Math.PI / 2 : 0;
+    const across = isLongNorth && isWide ? -Math.PI / 2 : isLongEast && !isWide ? Math.PI / 2 : 0;
+    if (!this.isTurned) this.camera.heading = across;
     this.camera.fit([north, south, east, west], this.camera.is3d ? this.meanAltitude() : 0);
     this.isStale = true;
   }
@@ -316,7 +324,7 @@ export class Stage {
   nearest([px, py]) {
     let [best, least] = [null, 22];
     for (let i = 0; i < this.flock.n; i++) {
-      const place = Number.isFinite(this.flock.x[i]) ? this.camera.project(this.flock.x[i], this.flock.y[i], this.flock.z[i]) : null;
+      const place = this.placeOf(i);
       const distance = place ? Math.hypot(place[0] - px, place[1] - py) : Infinity;
       if (distance < least) [best, least] = [i, distance];
     }
@@ -326,10 +334,17 @@ export class Stage {
   inBox([x0, y0, x1, y1]) {
     const inside = [];
     for (let i = 0; i < this.flock.n; i++) {
-      const place = Number.isFinite(this.flock.x[i]) ? this.camera.project(this.flock.x[i], this.flock.y[i], this.flock.z[i]) : null;
-      if (place && place[0] >= Math.min(x0, x1) && place[0] <= Math.max(x0, x1) && place[1] >= Math.min(y0, y1) && place[1] <= Math.max(y0, y1)) inside.push(i);
+      const place = this.placeOf(i);
+      const isBetween = (value, from, to) => value >= Math.min(from, to) && value <= Math.max(from, to);
+      if (place && isBetween(place[0], x0, x1) && isBetween(place[1], y0, y1)) inside.push(i);
     }
     return inside;
+  }
+
+  /** Where a vehicle is in the picture, or null. */
+  placeOf(i) {
+    const { x, y, z } = this.flock;
+    return Number.isFinite(x[i]) ? this.camera.project(x[i], y[i], z[i]) : null;
   }
 }
 
@@ -337,5 +352,6 @@ function ramp(share) {
   if (!Number.isFinite(share)) return colourWord(128, 128, 128);
   const place = Math.min(1, Math.max(0, share)) * (RAMP.length - 1);
   const index = Math.min(RAMP.length - 2, Math.floor(place));
-  return colourWord(...RAMP[index].map((from, part) => Math.round(from + (place - index) * (RAMP[index + 1][part] - from))));
+  const [low, high] = [RAMP[index], RAMP[index + 1]];
+  return colourWord(...low.map((from, part) => Math.round(from + (place - index) * (high[part] - from))));
 }

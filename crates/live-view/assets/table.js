@@ -5,7 +5,7 @@ import { severity } from "./stage.js";
 
 const ROW_PX = 28;
 
-const text = (value, digits, unit = "") => Number.isFinite(value) ? value.toFixed(digits).replace("-", "\u2212") + unit : "\u2013";
+const text = (value, digits) => Number.isFinite(value) ? value.toFixed(digits).replace("-", "\u2212") : "\u2013";
 
 /** What a vehicle's flags say, the worst first. */
 export function stateOf(flags) {
@@ -31,8 +31,13 @@ export class Table {
     this.columns = {
       number: { value: (moment, i) => this.roster.numbers[i] ?? i + 1, text: (value) => String(value) },
       mode: { value: (moment, i) => this.roster.modes[moment.mode(i)] ?? "\u2013", text: (value) => value },
-      state: { value: (moment, i) => stateOf(moment.flags(i)), text: (value) => value, rank: (moment, i) => -severity(moment.flags(i)) * 1000 - moment.flags(i) },
-      separation: { value: (moment, i) => moment.separation(i), text: (value) => value > 655 ? "> 655" : text(value, 1) },
+      state: {
+        value: (moment, i) => stateOf(moment.flags(i)), text: (value) => value,
+        rank: (moment, i) => -severity(moment.flags(i)) * 1000 - moment.flags(i),
+      },
+      separation: {
+        value: (moment, i) => moment.separation(i), text: (value) => value > 655 ? "> 655" : text(value, 1),
+      },
       clearance: { value: (moment, i) => moment.clearance(i), text: (value) => value > 327 ? "> 327" : text(value, 1) },
       age: { value: (moment, i) => moment.age(i), text: (value) => text(value, 1) },
       altitude: { value: (moment, i) => moment.altitude(i), text: (value) => text(value, 0) },
@@ -43,7 +48,8 @@ export class Table {
         this.descending = this.sort === button.dataset.sort && !this.descending;
         this.sort = button.dataset.sort;
         for (const other of element.querySelectorAll("[data-sort]")) {
-          other.parentElement.setAttribute("aria-sort", other !== button ? "none" : this.descending ? "descending" : "ascending");
+          const order = this.descending ? "descending" : "ascending";
+          other.parentElement.setAttribute("aria-sort", other === button ? order : "none");
         }
         this.draw();
       });

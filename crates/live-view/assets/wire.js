@@ -1,7 +1,8 @@
 // A frame of the flight, read in place: the layout is that of `src/wire.rs`.
 
 export const FLAG = {
-  armed: 1, follows: 2, ground: 4, out: 8, failsafe: 16, stale: 32, lost: 64, separation: 128, clearance: 256, left: 512,
+  armed: 1, follows: 2, ground: 4, out: 8, failsafe: 16, stale: 32, lost: 64,
+  separation: 128, clearance: 256, left: 512,
 };
 const [STATUS, STEERING, FINE, HISTORY] = [1, 2, 4, 8];
 const HEADER = 64;
