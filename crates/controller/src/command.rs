@@ -16,6 +16,15 @@ const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
 /// in two, less a reserve for a speed that is not known exactly.
 const COURSE_STEP_TICKS: f64 = 1.85;
 
+/// What a command still asks for, while it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standing {
+    /// Airspeed on which the vehicle settles, m/s.
+    pub speed_mps: f64,
+    /// Turn from the present heading, rad.
+    pub turn_rad: f64,
+}
+
 /// Turns demands into commands for one kind of vehicle at one control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Commander {

@@ -90,7 +90,7 @@ pub fn evade(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::look_ahead::Standing;
+    use crate::command::Standing;
     use crate::{Expected, LawSettings, LookAheadSettings, Obstacle};
     use flight_model::{Dynamics, State, Wind};
 

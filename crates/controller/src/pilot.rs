@@ -2,12 +2,12 @@
 //! and the command that follows.
 
 use crate::closest_approach::closest_approach_m;
-use crate::command::Commander;
+use crate::command::{Commander, Standing};
 use crate::evasion::{Asked, evade};
 use crate::forecast::{Forecast, Passage};
 use crate::insight::Insight;
 use crate::law::{Flown, command};
-use crate::look_ahead::{LookAhead, Scene, Standing, WeightProblem};
+use crate::look_ahead::{LookAhead, Scene, WeightProblem};
 use crate::neighbours::Neighbours;
 use crate::rollout::Rollout;
 use crate::terms::Neighbour;

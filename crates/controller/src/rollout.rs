@@ -7,9 +7,8 @@
 // One index runs over a dozen columns at once.
 #![allow(clippy::needless_range_loop)]
 
-use crate::command::Commander;
+use crate::command::{Commander, Standing};
 use crate::forecast::Passage;
-use crate::look_ahead::Standing;
 use crate::polynomial::{SINCOS_RANGE_RAD, ln, sincos};
 use crate::terms::half_angle;
 use crate::{Expected, LawSettings, Obstacle, ObstacleRule, SideRule};

@@ -1,7 +1,6 @@
 //! Airframes: what `[dynamics]` and the vehicles' cruise start from. One by its name, a file of one's own, or a table
 //! in the scenario.
 
-use super::file::or_infinite;
 use super::locate::line_at;
 use flight_model::{Airframe, Limits, PlantSettings, RangeError, Response, TimeConstants};
 use serde::de::value::MapAccessDeserializer;
@@ -352,4 +351,9 @@ impl<'de> Deserialize<'de> for AirframeKey {
 
         deserializer.deserialize_any(Key)
     }
+}
+
+/// A limit as files have it: 0 is none.
+pub fn or_infinite(limit: f64) -> f64 {
+    if limit == 0.0 { f64::INFINITY } else { limit }
 }

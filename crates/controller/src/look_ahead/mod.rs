@@ -7,7 +7,7 @@
 //! closest approach within every half control period. With a horizon of one control period this is the letter of the
 //! paper.
 
-use crate::command::Commander;
+use crate::command::{Commander, Standing};
 use crate::forecast::Passage;
 use crate::rollout::{BATCH, Each, Extent, Places, Rollout, Step};
 use crate::{Expected, LawSettings, LookAheadSettings, Obstacle, ObstacleRule, WeightKind};
@@ -33,15 +33,6 @@ pub struct LookAhead {
 pub struct Commands {
     pub speed_setpoint_mps: Each,
     pub course_change_rad: Each,
-}
-
-/// What a command still asks for, while it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Standing {
-    /// Airspeed on which the vehicle settles, m/s.
-    pub speed_mps: f64,
-    /// Turn from the present heading, rad.
-    pub turn_rad: f64,
 }
 
 /// What one vehicle sees of the world: all of a solve that does not depend on the weights.

@@ -1,22 +1,9 @@
 //! What an autopilot makes of a message that somebody asks for, by its number.
 
-use super::rules::CommandSet;
+use super::rules::{CommandSet, Offer};
 use super::{arduplane, px4};
 use crate::autopilot::Autopilot;
 use crate::telemetry::streams::Stream;
-
-/// A message as an autopilot offers it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Offer {
-    /// It can be sent, at a rate and when asked for.
-    Sent(Stream),
-    /// Its rate can be set and it is accepted when asked for, but nothing comes: for want of this.
-    Silent(&'static str),
-    /// Its rate can be set, and it is refused when asked for.
-    RateAlone,
-    /// It is not known.
-    None,
-}
 
 impl CommandSet {
     /// What an autopilot makes of a message.

@@ -34,6 +34,19 @@ pub(crate) enum TargetSet {
     Generic,
 }
 
+/// A message as an autopilot offers it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Offer {
+    /// It can be sent, at a rate and when asked for.
+    Sent(Stream),
+    /// Its rate can be set and it is accepted when asked for, but nothing comes: for want of this.
+    Silent(&'static str),
+    /// Its rate can be set, and it is refused when asked for.
+    RateAlone,
+    /// It is not known.
+    None,
+}
+
 /// The named differences of one autopilot.
 #[derive(Debug)]
 pub(crate) struct Rules {

@@ -319,3 +319,18 @@ impl Parameter {
         matches!(self.row().effect, Effect::ReadOnly | Effect::Points)
     }
 }
+
+/// Parameters that only a PX4 has.
+pub(crate) const OF_PX4_ALONE: &[Parameter] = &[
+    Parameter::OffboardTimeout,
+    Parameter::OffboardLossAction,
+    Parameter::DataLinkLossAction,
+    Parameter::DataLinkTimeout,
+    Parameter::DataLinkExceptions,
+    Parameter::FailsafeDelay,
+    Parameter::PreflightDisarmDelay,
+    Parameter::FailureInjection,
+    Parameter::MissionRequirements,
+    Parameter::FirstWaypointDistance,
+    Parameter::LandingAngle,
+];

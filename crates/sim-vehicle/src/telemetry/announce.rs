@@ -5,7 +5,6 @@ use crate::autopilot::event::Event;
 use crate::counters::VehicleCounters;
 use crate::error::Severity;
 use crate::links::{Links, PeerId};
-use crate::protocol::command::reset::Kept;
 use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
 use crate::telemetry::streams::Stream;
@@ -28,6 +27,15 @@ pub(crate) struct Component {
     pub asked_for: Vec<(usize, Stream)>,
     /// A reset that has been asked for, and follows.
     pub reset_wanted: Option<Kept>,
+}
+
+/// What a reset keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kept {
+    /// Nothing.
+    Nothing,
+    /// Parameters that have been set and plans that have been uploaded.
+    Stored,
 }
 
 impl Component {

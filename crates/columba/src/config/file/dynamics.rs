@@ -1,5 +1,6 @@
 //! `[dynamics]`: the constants of Eq. 1 and 3.
 
+use crate::config::airframe::or_infinite;
 use flight_model::{Dynamics, Limits, Response, TimeConstants};
 use serde::{Deserialize, Serialize};
 
@@ -104,9 +105,4 @@ impl DynamicsTable {
             },
         }
     }
-}
-
-/// A limit as files have it: 0 is none.
-pub fn or_infinite(limit: f64) -> f64 {
-    if limit == 0.0 { f64::INFINITY } else { limit }
 }

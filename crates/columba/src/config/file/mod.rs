@@ -7,7 +7,7 @@ mod link;
 mod pattern;
 
 pub use autopilot::AutopilotTable;
-pub use dynamics::{DynamicsTable, or_infinite};
+pub use dynamics::DynamicsTable;
 pub use link::{LinkTable, PortsKey, SetpointDialect};
 pub use pattern::{Pattern, PatternTable};
 

@@ -1,6 +1,6 @@
 //! Which messages an ArduPlane sends at a rate and when it is asked (`mavlink_id_to_ap_message_id` of GCS_Common.cpp).
 
-use super::super::offers::Offer;
+use super::super::rules::Offer;
 use crate::telemetry::streams::Stream;
 
 /// What has nothing to say where there is no such device, or nothing that has happened: its rate can be set, it is

@@ -8,11 +8,10 @@ pub(super) mod mission_items;
 mod renamed;
 pub(super) mod targets;
 
-use super::px4;
 use super::rules::{CommandSet, Rules, TargetSet};
 use super::words;
 use crate::mode::Mode;
-use crate::parameters::table::Parameter;
+use crate::parameters::table::{OF_PX4_ALONE, Parameter};
 use crate::telemetry::streams::Stream;
 use mavlink_bridge::dialect::{MavAutopilot, MavModeFlag};
 
@@ -69,7 +68,7 @@ pub(super) const RULES: Rules = Rules {
     mission_mode_suspended: 0,
     repeats_reached: false,
 
-    has_parameter: |parameter: Parameter| !px4::parameters::OWN_PARAMETERS.contains(&parameter),
+    has_parameter: |parameter: Parameter| !OF_PX4_ALONE.contains(&parameter),
     parameter: |parameter| (parameter.name(), parameter.kind()),
     inert_parameter: kinds::of,
     renamed_parameters: renamed::RENAMED,

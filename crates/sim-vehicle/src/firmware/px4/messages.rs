@@ -1,6 +1,6 @@
 //! Which messages a PX4 sends at a rate, and which of them it sends when it is asked (`mavlink_messages.cpp`).
 
-use super::super::offers::Offer;
+use super::super::rules::Offer;
 use crate::autopilot::Autopilot;
 use crate::telemetry::streams::Stream;
 

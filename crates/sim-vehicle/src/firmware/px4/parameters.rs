@@ -4,21 +4,6 @@
 use crate::parameters::table::Parameter;
 use mavlink_bridge::dialect::MavParamType::{self, MAV_PARAM_TYPE_INT32 as INT32, MAV_PARAM_TYPE_REAL32 as REAL};
 
-/// Parameters that only a PX4 has.
-pub(in crate::firmware) const OWN_PARAMETERS: &[Parameter] = &[
-    Parameter::OffboardTimeout,
-    Parameter::OffboardLossAction,
-    Parameter::DataLinkLossAction,
-    Parameter::DataLinkTimeout,
-    Parameter::DataLinkExceptions,
-    Parameter::FailsafeDelay,
-    Parameter::PreflightDisarmDelay,
-    Parameter::FailureInjection,
-    Parameter::MissionRequirements,
-    Parameter::FirstWaypointDistance,
-    Parameter::LandingAngle,
-];
-
 /// Parameters that a PX4 has not: its own failsafes and checks stand in for them, its rates are asked for by message,
 /// and any ground station counts.
 pub(in crate::firmware) const ABSENT_PARAMETERS: &[Parameter] = &[

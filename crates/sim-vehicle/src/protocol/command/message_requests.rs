@@ -2,8 +2,9 @@
 
 use crate::autopilot::input::{check_finite, integer};
 use crate::error::{CommandError, CommandResult, Severity};
-use crate::firmware::offers::{Offer, px4_has};
+use crate::firmware::offers::px4_has;
 use crate::firmware::rules::CommandSet;
+use crate::firmware::rules::Offer;
 use crate::settings::RATE_PER_STEP_MAX;
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;

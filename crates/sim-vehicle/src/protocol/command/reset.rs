@@ -2,16 +2,7 @@
 //! command; MAVLink leaves MAV_CMD_USER_1 to everybody.
 
 use crate::error::CommandError;
-use crate::telemetry::announce::Component;
-
-/// What a reset keeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kept {
-    /// Nothing.
-    Nothing,
-    /// Parameters that have been set and plans that have been uploaded.
-    Stored,
-}
+use crate::telemetry::announce::{Component, Kept};
 
 /// Param 1: 1 for the reset, which follows the acknowledgement. Param 2: 1 keeps parameters and plans.
 pub(crate) fn ask(component: &mut Component, [which, keeps, ..]: [f32; 4]) -> Result<(), CommandError> {
