@@ -62,6 +62,12 @@ pub(super) fn set_px4_mode(target: Target, custom_mode: u32) -> Message {
     command_long(target, MavCmd::MAV_CMD_DO_SET_MODE, params)
 }
 
+/// MAV_CMD_DO_CHANGE_ALTITUDE, above mean sea level (param 2: MAV_FRAME_GLOBAL).
+pub(super) fn change_altitude(target: Target, altitude_amsl_m: f32) -> Message {
+    let params = [altitude_amsl_m, MavFrame::MAV_FRAME_GLOBAL as u32 as f32, 0.0, 0.0, 0.0, 0.0, 0.0];
+    command_long(target, MavCmd::MAV_CMD_DO_CHANGE_ALTITUDE, params)
+}
+
 /// MAV_CMD_COMPONENT_ARM_DISARM: arms, with all checks.
 pub fn arm(target: Target) -> Message {
     command_long(target, MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])

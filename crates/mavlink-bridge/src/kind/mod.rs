@@ -347,6 +347,13 @@ impl Driver {
         }
     }
 
+    /// The command that brings a plane that circles to another altitude above mean sea level, m; none for those that
+    /// hover, which stand still where they are.
+    pub fn circle_at(&self, target: Target, altitude_amsl_m: f64) -> Option<Message> {
+        let is_flyable = altitude_amsl_m.is_finite() && !self.kind.hovers();
+        is_flyable.then(|| commands::change_altitude(target, altitude_amsl_m as f32))
+    }
+
     /// What the end mode does not do though it was asked for, in words.
     pub fn end_note(&self, at_end: AtEnd) -> Option<&'static str> {
         match (self.kind, at_end) {

@@ -1,7 +1,9 @@
 //! Last phase: nobody is left alone. On completion, failure and Ctrl-C alike every vehicle is brought into the mode in
 //! which it is to stay, and that it is in it is seen, and told.
 //!
-//! Planes that circle where they are would meet: they first change to heights of their own, while the law still steers.
+//! Planes that circle where they are would meet, so each is given a height of its own. At the end of a flight they change
+//! heights first, while the law still steers. An end that somebody wishes comes at once: they circle, and change heights
+//! while they do.
 
 use super::Phase;
 use super::fly::Fly;
@@ -14,10 +16,10 @@ use std::time::Duration;
 
 /// So long the change of heights may take.
 const SPREAD: Duration = Duration::from_secs(12);
-/// So long when somebody wants an end.
-const SPREAD_WISHED: Duration = Duration::from_secs(6);
 /// A vehicle at its height within this is there, m.
 const HEIGHT_M: f64 = 3.0;
+/// So long the answer to a change of heights is waited for, where a plane circles already.
+const HEIGHT_PATIENCE: Duration = Duration::from_secs(8);
 /// So long a mode may take.
 const PATIENCE: Duration = Duration::from_secs(12);
 /// What was flown at the very end is heard by then.
@@ -27,13 +29,16 @@ const LISTEN: Duration = Duration::from_secs(1);
 pub struct End {
     fly: Option<Box<Fly>>,
     began: Duration,
+    /// Heights to which planes change before they circle.
     heights: Option<Gather>,
+    /// Heights to which planes change while they circle.
+    circles: Option<Gather>,
     ordered: Option<Duration>,
 }
 
 impl End {
     pub(super) fn new(fly: Option<Box<Fly>>, now: Duration) -> Self {
-        Self { fly, began: now, heights: None, ordered: None }
+        Self { fly, began: now, heights: None, circles: None, ordered: None }
     }
 
     pub(super) fn step(mut self: Box<Self>, station: &mut Station, now: Duration) -> Phase {
@@ -80,19 +85,10 @@ impl End {
             })
             .collect();
         let wished = station.stopped().is_some_and(|stop| stop.wished);
-        let patience = if wished { SPREAD_WISHED } else { SPREAD };
-        if planes.len() < 2 || fly.is_paused() || now.saturating_sub(self.began) > patience {
+        if wished || planes.len() < 2 || fly.is_paused() || now.saturating_sub(self.began) > SPREAD {
             return false;
         }
-        let heights = self.heights.get_or_insert_with(|| {
-            // From left to right as they fly now, so that neighbours differ.
-            let expected = station.scenario.expected;
-            let states: Vec<_> = station
-                .crew()
-                .map(|index| station.state_now(index, now).unwrap_or(station.scenario.starts[index]))
-                .collect();
-            Gather::new(&states, expected, &[], &station.limits)
-        });
+        let heights = self.heights.get_or_insert_with(|| heights(station, now));
         let is_there = planes.iter().all(|&index| {
             let state = station.state_now(index, now);
             state.is_none_or(|state| (state.altitude_m - heights.layer_m(index)).abs() < HEIGHT_M)
@@ -130,10 +126,58 @@ impl End {
         if vehicle.heard().custom_mode == mode {
             let note = driver.end_note(at_end).map(|note| format!(": {note}")).unwrap_or_default();
             let text = format!("is left in {}{note}", vehicle.mode_name());
-            station.tell_once(index, "ended", Weight::Note, text, now);
+            let height = if at_end == AtEnd::Loiter { self.height(station, index, now) } else { Height::AsItIs };
+            let height = match height {
+                Height::AsItIs => String::new(),
+                Height::IsAsked => return true,
+                Height::Answered(text) => text,
+            };
+            station.tell_once(index, "ended", Weight::Note, text + &height, now);
             return false;
         }
         station.order(index, "end", driver.set_mode(vehicle.target(), mode), now);
         true
     }
+
+    /// Asks a plane that circles beside others for a height of its own.
+    fn height(&mut self, station: &mut Station, index: usize, now: Duration) -> Height {
+        if self.heights.is_some() || station.crew().len() < 2 {
+            return Height::AsItIs;
+        }
+        let circles = self.circles.get_or_insert_with(|| heights(station, now));
+        let layer_m = circles.layer_m(index);
+        let vehicle = &station.vehicles[index];
+        let amsl_m = station.frame.origin().altitude_amsl_m + layer_m;
+        let Some(message) = vehicle.driver().and_then(|driver| driver.circle_at(vehicle.target(), amsl_m)) else {
+            return Height::AsItIs;
+        };
+        match vehicle.orders().answer("height") {
+            Some("ACCEPTED") => Height::Answered(format!(", and changes to {layer_m:.0} m")),
+            Some(answer) => Height::Answered(format!(", at the height where it was: {answer} to {layer_m:.0} m")),
+            None if self.ordered.is_some_and(|ordered| now.saturating_sub(ordered) > HEIGHT_PATIENCE) => {
+                Height::Answered(format!(", and has not answered to {layer_m:.0} m"))
+            }
+            None => {
+                station.order(index, "height", message, now);
+                Height::IsAsked
+            }
+        }
+    }
+}
+
+/// What becomes of the height of a vehicle that is in its last mode.
+enum Height {
+    /// It keeps its own.
+    AsItIs,
+    /// It was asked for another, and has not answered.
+    IsAsked,
+    /// It has answered, or will not, in words.
+    Answered(String),
+}
+
+/// Heights from left to right as they fly now, so that neighbours differ.
+fn heights(station: &Station, now: Duration) -> Gather {
+    let states: Vec<_> =
+        station.crew().map(|index| station.state_now(index, now).unwrap_or(station.scenario.starts[index])).collect();
+    Gather::new(&states, station.scenario.expected, &[], &station.limits)
 }
