@@ -33,6 +33,11 @@ pub enum CommandPosition {
     Long([f32; 2]),
 }
 
+/// The name of a result as people say it: ACCEPTED, TEMPORARILY_REJECTED.
+pub fn result_name(result: MavResult) -> String {
+    format!("{result:?}").replace("MAV_RESULT_", "")
+}
+
 impl Command {
     /// The command; none if it is not in the dialect.
     pub fn mav_cmd(&self) -> Option<MavCmd> {

@@ -1,7 +1,7 @@
 //! The fleet as a ground station knows it: the telemetry of each vehicle, gathered into one state. Sans-I/O.
 
-use crate::dialect::{COMMAND_ACK_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavModeFlag, MavType, Message};
-use crate::telemetry::state_from_local_position;
+use crate::dialect::{COMMAND_ACK_DATA, LOCAL_POSITION_NED_DATA, MavModeFlag, Message};
+use crate::telemetry::{is_autopilot, state_from_local_position};
 use crate::{Header, Target};
 use flight_model::State;
 use std::collections::HashMap;
@@ -175,10 +175,6 @@ impl RemoteVehicle {
         self.position = Some(Position { time_boot_ms: data.time_boot_ms, heard: now, state });
         true
     }
-}
-
-fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
-    !matches!(heartbeat.mavtype, MavType::MAV_TYPE_GCS | MavType::MAV_TYPE_ONBOARD_CONTROLLER)
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ pub mod tlog;
 pub mod udp;
 
 pub use ardupilot::{ArduPilotMessage, ekf_status_report, wind};
-pub use command::{Command, CommandPosition};
+pub use command::{Command, CommandPosition, result_name};
 pub use coordinates::{AltitudeDatum, LatLonE7, mav_frame};
 pub use counters::{Counters, Order, SequenceTracker};
 pub use datagram::{Frames, frames, messages};
@@ -66,6 +66,6 @@ pub use points::{FencePoint, PointRequest, RallyPoint};
 pub use setpoint::{
     PartialSetpoint, SetpointError, guided_commands, local_ned_setpoint, setpoint_from_local_ned, wire_round_setpoint,
 };
-pub use telemetry::{boot_ms, local_position_ned, state_from_local_position, wire_round};
+pub use telemetry::{boot_ms, is_autopilot, local_position_ned, state_from_local_position, wire_round};
 pub use tlog::{TlogError, TlogReader, TlogRecord, TlogWriter};
 pub use udp::{LinkError, LinkSettings, UdpLink};

@@ -25,9 +25,9 @@ use crate::identify::flight::StepFlight;
 use controller::Obstacle;
 use flight_model::{Limits, LocalFrame};
 use frames::Origin;
-use mavlink_bridge::dialect::{COMMAND_ACK_DATA, MavAutopilot, MavCmd, MavResult, MavType, Message};
+use mavlink_bridge::dialect::{COMMAND_ACK_DATA, MavCmd, MavResult, Message};
 use mavlink_bridge::kind::AtEnd;
-use mavlink_bridge::{Counters, Frame, Header, SequenceTracker};
+use mavlink_bridge::{Counters, Frame, Header, SequenceTracker, is_autopilot};
 use operator::Verb;
 use phase::Phase;
 use phase::connect::Connect;
@@ -359,15 +359,7 @@ impl Station {
             return Some(index);
         }
         let Message::HEARTBEAT(heartbeat) = message else { return None };
-        let is_autopilot = heartbeat.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID
-            && !matches!(
-                heartbeat.mavtype,
-                MavType::MAV_TYPE_GCS
-                    | MavType::MAV_TYPE_ONBOARD_CONTROLLER
-                    | MavType::MAV_TYPE_GIMBAL
-                    | MavType::MAV_TYPE_ADSB
-            );
-        if !is_autopilot || header.system_id == GROUND.0 {
+        if !is_autopilot(heartbeat) || header.system_id == GROUND.0 {
             return None;
         }
         tracing::debug!(system = header.system_id, at_s = now.as_secs_f64(), "first heard");

@@ -5,10 +5,8 @@ use super::plans::{Outlines, Plans, Reference, outlines};
 use crate::station::vehicle::{Vehicle, place};
 use flight_model::{Geodetic, LocalFrame, State};
 use live_view::{Event, Outline, VehicleNow, Weight, Wind};
-use mavlink_bridge::dialect::{
-    GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA, MavAutopilot, MavSeverity, MavType, Message, STATUSTEXT_DATA,
-};
-use mavlink_bridge::{Frame, Header, Incoming, state_from_local_position};
+use mavlink_bridge::dialect::{GLOBAL_POSITION_INT_DATA, MavSeverity, Message, STATUSTEXT_DATA};
+use mavlink_bridge::{Frame, Header, Incoming, is_autopilot, state_from_local_position};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -228,18 +226,6 @@ fn wind_mps(payload: &[u8]) -> Option<[f64; 2]> {
 /// A number for a system that nobody has.
 pub fn free_number(system: u32, is_taken: impl Fn(u32) -> bool) -> u32 {
     (0..).map(|others| system + 1000 * others).find(|&number| !is_taken(number)).unwrap_or(system)
-}
-
-/// Whether a heartbeat is that of an autopilot, not of a ground station or a part of a vehicle.
-pub fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
-    heartbeat.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID
-        && !matches!(
-            heartbeat.mavtype,
-            MavType::MAV_TYPE_GCS
-                | MavType::MAV_TYPE_ONBOARD_CONTROLLER
-                | MavType::MAV_TYPE_GIMBAL
-                | MavType::MAV_TYPE_ADSB
-        )
 }
 
 /// Heights are above the home of the vehicle that was heard first.

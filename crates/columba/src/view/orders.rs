@@ -7,7 +7,7 @@ use crate::station::operator::Verb;
 use live_view::{Answer, Event, Feed, LiveView, Said, Weight};
 use mavlink_bridge::dialect::{MavResult, Message};
 use mavlink_bridge::kind::{AtEnd, AutopilotKind, Driver};
-use mavlink_bridge::{Encoder, Frame, Target};
+use mavlink_bridge::{Encoder, Frame, Target, result_name};
 use sim_vehicle::{Host, Personality, VehicleSettings};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -124,7 +124,7 @@ impl CraftOrders {
         let accepted = answers.values().filter(|result| **result == MavResult::MAV_RESULT_ACCEPTED).count();
         let text = match (whose.len(), answers.values().next()) {
             (1, Some(MavResult::MAV_RESULT_ACCEPTED)) => "accepted".to_owned(),
-            (1, Some(result)) => format!("refused: {}", format!("{result:?}").replace("MAV_RESULT_", "")),
+            (1, Some(result)) => format!("refused: {}", result_name(*result)),
             (1, None) => "not answered".to_owned(),
             (all, _) => format!("{accepted} of {all} have accepted"),
         };

@@ -23,6 +23,18 @@ pub fn heartbeat(
     })
 }
 
+/// Whether a heartbeat is that of an autopilot, not of a ground station or of a part of a vehicle.
+pub fn is_autopilot(heartbeat: &HEARTBEAT_DATA) -> bool {
+    heartbeat.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID
+        && !matches!(
+            heartbeat.mavtype,
+            MavType::MAV_TYPE_GCS
+                | MavType::MAV_TYPE_ONBOARD_CONTROLLER
+                | MavType::MAV_TYPE_GIMBAL
+                | MavType::MAV_TYPE_ADSB
+        )
+}
+
 /// HEARTBEAT of a ground station.
 pub fn ground_heartbeat() -> Message {
     heartbeat(

@@ -11,7 +11,7 @@ mod wind;
 pub use attitude::{attitude, vfr_hud};
 pub use autopilot_version::{autopilot_version, extended_sys_state, protocol_version};
 pub use global_position::{global_position_int, gps_global_origin, gps_raw_int};
-pub use heartbeat::{ground_heartbeat, heartbeat};
+pub use heartbeat::{ground_heartbeat, heartbeat, is_autopilot};
 pub use local_position::{local_position_ned, state_from_local_position, wire_round};
 pub(crate) use local_position::{speed_and_course, wire_velocity};
 pub use system_time::{boot_ms, system_time};

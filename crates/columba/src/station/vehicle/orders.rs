@@ -2,6 +2,7 @@
 
 use flight_model::{Setpoint, wrap_pi};
 use mavlink_bridge::dialect::{COMMAND_ACK_DATA, MavCmd, Message};
+use mavlink_bridge::result_name;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -83,11 +84,10 @@ impl Orders {
 
     /// Takes an answer.
     pub fn hear(&mut self, data: &COMMAND_ACK_DATA) {
-        let answer = format!("{:?}", data.result);
-        let answer = answer.strip_prefix("MAV_RESULT_").unwrap_or(&answer);
+        let answer = result_name(data.result);
         let all = self.given.values_mut().chain(self.unanswered.iter_mut().flatten());
         for sent in all.filter(|sent| command(&sent.message) == Some(data.command)) {
-            sent.answer = Some(answer.to_owned());
+            sent.answer = Some(answer.clone());
         }
     }
 

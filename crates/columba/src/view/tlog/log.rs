@@ -2,11 +2,11 @@
 
 use super::clock::Clock;
 use crate::station::vehicle::place;
-use crate::view::heard::{Flock, SHOWN, is_autopilot};
+use crate::view::heard::{Flock, SHOWN};
 use flight_model::{LocalFrame, State};
 use live_view::{Event, Outline, VehicleNow, Wind};
-use mavlink_bridge::Frame;
 use mavlink_bridge::dialect::Message;
+use mavlink_bridge::{Frame, is_autopilot};
 use std::collections::BTreeSet;
 use std::time::Duration;
 
