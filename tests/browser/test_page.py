@@ -168,6 +168,7 @@ def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page,
         page.click("#tab-selected")
         page.wait_for_selector("#choice h3:has-text('MSLPIO chose at')")
         until(page, "columba.choices.shown()?.at_s > 4")
+        assert page.evaluate("columba.stage.follows && columba.stage.camera.shows(columba.stage.placeOf(2))")
         # Other members of the front can be looked at by the keyboard, and their weights are said; the next choice of the
         # flight takes no focus away.
         page.focus("#choice")

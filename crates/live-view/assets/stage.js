@@ -305,8 +305,11 @@ export class Stage {
     const apart = 120 / Math.max(10, Math.hypot(spread(this.flock.x), spread(this.flock.y)));
     this.camera.scale = Math.max(this.camera.scale, placed.length > 1 ? Math.min(12, apart) : 3);
     this.camera.update();
+    // What moves stays in the picture, until somebody moves the picture by hand.
+    this.follows = this.player.isLive || this.player.isPlaying;
     this.isTouched = true;
     this.isStale = true;
+    this.onSelect();
   }
 
   select(indices) {
