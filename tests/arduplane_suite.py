@@ -18,6 +18,7 @@ import traceback
 
 os.environ["MAVLINK20"] = "1"  # pymavlink reads it when it is imported
 
+
 class TooLong(BaseException):
     """A test has not ended in time."""
 

@@ -1,4 +1,5 @@
-"""Flights over bad links and through gusts: how many end with a collision, and how well the controller knows the present.
+"""Flights over bad links and through gusts: how many end with a collision, and how well the controller knows the
+present.
 
     python tests/benchmark_links.py                    # 100 unseen fields for each link, 5 and 12 vehicles in turn
     python tests/benchmark_links.py --flights 20 --only "200 ms"
@@ -54,14 +55,19 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("more", nargs="*", help="options for every flight, after --")
     arguments = parser.parse_args()
-    print("| link | flights | with a collision | least clearance, m | least separation, m | state error, m rms | late ticks |")
+    print(
+        "| link | flights | with a collision | least clearance, m | least separation, m | state error, m rms | "
+        "late ticks |"
+    )
     print("|---|---|---|---|---|---|---|")
     for name, options in LINKS.items():
         if arguments.only and arguments.only not in name:
             continue
         with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
             flights = [
-                pool.submit(fly, arguments.first_seed + flight, (5, 12)[flight % 2], options, arguments.speed, arguments.more)
+                pool.submit(
+                    fly, arguments.first_seed + flight, (5, 12)[flight % 2], options, arguments.speed, arguments.more
+                )
                 for flight in range(arguments.flights)
             ]
             flights = [flight.result() for flight in flights]

@@ -1,4 +1,5 @@
-"""Measures many vehicles, for docs/performance.md: python tests/benchmark_many.py, with the program built or in COLUMBA_BIN.
+"""Measures many vehicles, for docs/performance.md: python tests/benchmark_many.py, with the program built or in
+COLUMBA_BIN.
 
 Every figure is of one run; nothing here is a test.
 """

@@ -40,7 +40,8 @@ def measure(address, pid, browser, name):
     """Frames a second, and what the server costs with this page."""
     page = browser.new_page(viewport={"width": 1280, "height": 720})
     page.add_init_script(
-        "window.received = 0; const Socket = WebSocket; window.WebSocket = class extends Socket { constructor(...words) { super(...words);"
+        "window.received = 0; const Socket = WebSocket; window.WebSocket = class extends Socket { "
+        "constructor(...words) { super(...words);"
         " this.addEventListener('message', ({data}) => { window.received += data.byteLength ?? data.length; }); } };"
     )
     page.goto(address)
@@ -53,8 +54,10 @@ def measure(address, pid, browser, name):
     frames, received = ((done[0][k] - idle[0][k]) / span_s for k in (0, 1))
     share = (done[1] - idle[1]) / span_s
     painter = page.evaluate("columba.stage.painter.name")
-    print(f"{name} ({painter}), load {os.getloadavg()[0]:.1f}: {frames:.0f} frames/s, {received / 1e6:.2f} MB/s,"
-          f" the page's server {100 * share:.1f} % of a core")
+    print(
+        f"{name} ({painter}), load {os.getloadavg()[0]:.1f}: {frames:.0f} frames/s, {received / 1e6:.2f} MB/s,"
+        f" the page's server {100 * share:.1f} % of a core"
+    )
     page.close()
 
 
@@ -80,13 +83,16 @@ def late_ticks(pages):
     with tempfile.TemporaryDirectory() as folder:
         field = Path(folder) / "field.toml"
         field.write_text(
-            '[scenario]\nname = "late"\nduration_s = 12.0\n[flock]\nexpected_speed_mps = 10.0\nexpected_altitude_m = 50.0\n'
+            '[scenario]\nname = "late"\nduration_s = 12.0\n'
+            "[flock]\nexpected_speed_mps = 10.0\nexpected_altitude_m = 50.0\n"
             '[vehicles]\ncount = 500\npattern = "grid"\n'
         )
         words = [RELEASE / "columba", "run", field, "--speed", "1", "--no-report", "--out", Path(folder) / "run"]
         log = Path(folder) / "log.txt"
         run = subprocess.Popen(
-            [*words, "--view"] if pages else words, stdout=subprocess.DEVNULL, stderr=log.open("w"),
+            [*words, "--view"] if pages else words,
+            stdout=subprocess.DEVNULL,
+            stderr=log.open("w"),
             env={**os.environ, "RUST_LOG": "columba::flying=debug"},
         )
         readers = []
@@ -106,8 +112,11 @@ def late_ticks(pages):
         earliest = late_ms[0] if late_ms else 0.0
         late_ms = late_ms or [float("nan")]
         name = "with three pages, one of which does not read" if pages else "without a page"
-        print(f"run of 500 {name}: {len(times)} ticks, late by {late_ms[len(late_ms) // 2] - earliest:.0f} ms in the median,"
-              f" {late_ms[-1] - earliest:.0f} ms at most")
+        print(
+            f"run of 500 {name}: {len(times)} ticks, late by {late_ms[len(late_ms) // 2] - earliest:.0f} ms in "
+            f"the median,"
+            f" {late_ms[-1] - earliest:.0f} ms at most"
+        )
 
 
 def log_of(path, vehicles=20, size=100e6):
@@ -156,16 +165,22 @@ def playback(browser):
             " columba.stage.draw(performance.now()); return performance.now() - from; })()"
         )
         scrubs = sorted(page.evaluate(scrub.replace("PART", str(part))) for part in (0.1, 0.9, 0.5, 0.3, 0.7))
-        print(f"a log of 100 MB, load {os.getloadavg()[0]:.1f}: served after {served_s:.2f} s,"
-              f" plays after {plays_s:.2f} s ({early}), read after {whole_s:.2f} s;"
-              f" a scrub takes {scrubs[2]:.0f} ms, {scrubs[-1]:.0f} at most")
+        print(
+            f"a log of 100 MB, load {os.getloadavg()[0]:.1f}: served after {served_s:.2f} s,"
+            f" plays after {plays_s:.2f} s ({early}), read after {whole_s:.2f} s;"
+            f" a scrub takes {scrubs[2]:.0f} ms, {scrubs[-1]:.0f} at most"
+        )
         viewer.kill()
         page.close()
 
 
 def drained(address):
     """A page that reads, as a process of its own."""
-    code = f"import sys; sys.path[:0] = [{str(Path(__file__).parent)!r}]; import benchmark_view as b; s = b.stuck({address!r})\nwhile s.recv(1 << 20): pass"
+    code = (
+        f"import sys; sys.path[:0] = [{str(Path(__file__).parent)!r}]; import benchmark_view\n"
+        f"socket = benchmark_view.stuck({address!r})\n"
+        "while socket.recv(1 << 20): pass"
+    )
     return subprocess.Popen([sys.executable, "-c", code])
 
 
@@ -174,7 +189,9 @@ def main():
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
         for vehicles in (200, 10_000):
-            example = subprocess.Popen([RELEASE / "examples/1_many_vehicles", str(vehicles)], stdout=subprocess.PIPE, text=True)
+            example = subprocess.Popen(
+                [RELEASE / "examples/1_many_vehicles", str(vehicles)], stdout=subprocess.PIPE, text=True
+            )
             address = example.stdout.readline().strip()
             server_alone(example.pid, f"{vehicles} vehicles, no page")
             measure(address, example.pid, browser, f"{vehicles} vehicles, as the page chooses")

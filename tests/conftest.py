@@ -13,8 +13,8 @@ import pyarrow.parquet
 import pytest
 
 pytest.register_assert_rewrite("pytest_columba")
-from ground import Craft
-from pytest_columba import Fleet
+from ground import Craft  # noqa: E402
+from pytest_columba import Fleet  # noqa: E402
 
 pytest_plugins = ["pytest_columba"]
 

@@ -1,4 +1,5 @@
-"""Where ours answers otherwise than a real ArduPlane: by the sentence of docs/mavlink.md that says so, scenes and steps.
+"""Where ours answers otherwise than a real ArduPlane: by the sentence of docs/mavlink.md that says so, scenes and
+steps.
 
 `test_differential.py` fails at a difference that is not here, and at one here that is no more.
 """
@@ -27,13 +28,15 @@ KNOWN = {
         "missions": ["one item, by the older message"],
         "mission items": ["in frame GLOBAL_TERRAIN_ALT"],
     },
-    "PARAM_VALUE has the type of the parameter; ArduPlane answers a PARAM_SET that changes nothing in the type that it came with.": {
+    "PARAM_VALUE has the type of the parameter; ArduPlane answers a PARAM_SET that changes nothing in the type "
+    "that it came with.": {
         "value sets": ["BATT_FS_LOW_ACT 0", "BATT_FS_CRT_ACT 0", "FENCE_AUTOENABLE 0"],
     },
     "FENCE_AUTOENABLE 1 is taken without a warning.": {
         "value sets": ["FENCE_AUTOENABLE 1"],
     },
-    "MISSION_CURRENT is the item that is flown, never home, and every item that is flown is reached once, NAV_LAND on the ground too.": {
+    "MISSION_CURRENT is the item that is flown, never home, and every item that is flown is reached once, "
+    "NAV_LAND on the ground too.": {
         "missions": ["current is 0", "nothing at all", "clear"],
         "mission commands": ["start", "start when started", "current is 0"],
         "a whole flight": [
@@ -42,14 +45,17 @@ KNOWN = {
             "down, and disarmed",
         ],
     },
-    "An upload that stops is given up after 8 s of the clock on the wall, at any speed of the simulation, and a gap is asked for again after 0.4 s.": {
+    "An upload that stops is given up after 8 s of the clock on the wall, at any speed of the simulation, and a "
+    "gap is asked for again after 0.4 s.": {
         "missions": ["an upload that stops", "an upload with a gap", "an upload that is cancelled"],
     },
-    "An upload that is refused or given up leaves the plan before it whole; ArduPlane cuts the old one at its beginning.": {
+    "An upload that is refused or given up leaves the plan before it whole; ArduPlane cuts the old one at its "
+    "beginning.": {
         "missions": ["after it the one before is there, or not"],
         "rally points": ["and back: a waypoint", "and back: a latitude that is none"],
     },
-    "NAV_ALTITUDE_WAIT, NAV_VTOL_TAKEOFF, NAV_VTOL_LAND, NAV_PAYLOAD_PLACE and NAV_SET_YAW_SPEED are UNSUPPORTED in missions.": {
+    "NAV_ALTITUDE_WAIT, NAV_VTOL_TAKEOFF, NAV_VTOL_LAND, NAV_PAYLOAD_PLACE and NAV_SET_YAW_SPEED are "
+    "UNSUPPORTED in missions.": {
         "mission items": [
             "with NAV_ALTITUDE_WAIT",
             "with NAV_VTOL_TAKEOFF",
@@ -58,7 +64,8 @@ KNOWN = {
             "with NAV_SET_YAW_SPEED",
         ],
     },
-    "A fence of fewer than three corners and circles stays; ArduPlane 4.7-dev loses it when it replaces a larger one.": {
+    "A fence of fewer than three corners and circles stays; ArduPlane 4.7-dev loses it when it replaces a "
+    "larger one.": {
         "fences": ["and back: a circle to keep in"],
     },
     "MISSION_CLEAR_ALL of type 255 clears everything; ArduPlane says UNSUPPORTED.": {
@@ -73,7 +80,8 @@ KNOWN = {
     "WP_RADIUS is 15 m at first.": {
         "parameters": ["read one"],
     },
-    "A parameter that is not there, or a value out of its range, is refused in words; ArduPlane says nothing, and takes any number.": {
+    "A parameter that is not there, or a value out of its range, is refused in words; ArduPlane says nothing, "
+    "and takes any number.": {
         "parameters": [
             "read one that is not there",
             "read by an index that is not there",

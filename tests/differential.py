@@ -102,10 +102,11 @@ class Conversation:
 
     @contextmanager
     def step(self, name, until=None, beats=120, also=()):
-        """What is sent inside is one step. It ends after a question of ours has been answered, with the next heartbeats.
+        """What is sent inside is one step. It ends after a question of ours has been answered, with the next
+        heartbeats.
 
-        With `until` it ends when that holds, and after `beats` heartbeats at the latest. Of the messages of the kinds in
-        `also` it counts whether they come.
+        With `until` it ends when that holds, and after `beats` heartbeats at the latest. Of the messages of the kinds
+        in `also` it counts whether they come.
         """
         assert name not in self.steps, name
         self.forget()

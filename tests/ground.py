@@ -152,10 +152,10 @@ class Craft:
 
     def set_parameter(self, name, value):
         """Writes a parameter, and waits until it has the value."""
-        self.link.mav.param_set_send(
-            self.system, self.component, name.encode(), value, mavlink.MAV_PARAM_TYPE_REAL32
+        self.link.mav.param_set_send(self.system, self.component, name.encode(), value, mavlink.MAV_PARAM_TYPE_REAL32)
+        return self.wait(
+            ["PARAM_VALUE"], lambda answer: answer.param_id == name and abs(answer.param_value - value) < 1e-5
         )
-        return self.wait(["PARAM_VALUE"], lambda answer: answer.param_id == name and abs(answer.param_value - value) < 1e-5)
 
     def set_mode(self, number):
         return self.command_long(mavlink.MAV_CMD_DO_SET_MODE, 1, number)

@@ -141,7 +141,8 @@ def attitudes(talk):
 
 
 def flown(talk, mask, roll_deg=-25, pitch_deg=14, thrust=0.55):
-    """What of an attitude that is sent again and again is flown. A real plane does not keep up a pitch without throttle."""
+    """What of an attitude that is sent again and again is flown. A real plane does not keep up a pitch without
+    throttle."""
     (sr, cr), (sp, cp) = ((math.sin(a), math.cos(a)) for a in (math.radians(roll_deg) / 2, math.radians(pitch_deg) / 2))
     rolls, pitches = [], []
     end = talk.beats + 6

@@ -2,14 +2,16 @@
 
 import time
 
-# After so long without anything new the lists are taken to be over; an answer that has not come by then is asked for again.
+# After so long without anything new the lists are taken to be over; an answer that has not come by then is asked for
+# again.
 QUIET_S = 0.3
 # Questions under way at a time.
 WINDOW = 400
 
 
 class Lists:
-    """Of the vehicles of some system ids, all behind one pymavlink connection; `found` has each one's values by index."""
+    """Of the vehicles of some system ids, all behind one pymavlink connection; `found` has each one's values by
+    index."""
 
     def __init__(self, link, systems):
         self.link = link

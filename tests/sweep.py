@@ -2,9 +2,9 @@
 
     python tests/sweep.py udpout:127.0.0.1:14600 [ANSWERS.json]
 
-The vehicle stands on the ground, disarmed, fresh from its start. The labels are those of `reference/answers-arduplane.json`
-and `reference/answers-px4.json`, which real autopilots gave. An answer depends a little on those before it: always play
-the whole sweep. `test_sweep.py` compares.
+The vehicle stands on the ground, disarmed, fresh from its start. The labels are those of
+`reference/answers-arduplane.json` and `reference/answers-px4.json`, which real autopilots gave. An answer depends a
+little on those before it: always play the whole sweep. `test_sweep.py` compares.
 """
 
 import json

@@ -1,5 +1,6 @@
-"""Where ours answers otherwise than a real autopilot in the sweep, by the sentence of docs/mavlink.md that says so: labels, as
-patterns. `test_sweep.py` fails at a difference that is not here, and at a sentence that explains none any more.
+"""Where ours answers otherwise than a real autopilot in the sweep, by the sentence of docs/mavlink.md that says so:
+labels, as patterns. `test_sweep.py` fails at a difference that is not here, and at a sentence that explains none any
+more.
 """
 
 KNOWN = {
@@ -13,7 +14,8 @@ KNOWN = {
             "interval 231",
             "interval 331",
         ],
-        "NAV_ALTITUDE_WAIT, NAV_VTOL_TAKEOFF, NAV_VTOL_LAND, NAV_PAYLOAD_PLACE and NAV_SET_YAW_SPEED are UNSUPPORTED in missions.": [
+        "NAV_ALTITUDE_WAIT, NAV_VTOL_TAKEOFF, NAV_VTOL_LAND, NAV_PAYLOAD_PLACE and NAV_SET_YAW_SPEED are UNSUPPORTED "
+        "in missions.": [
             "item 83",
             "item 84",
             "item 85",
@@ -22,7 +24,8 @@ KNOWN = {
         ],
     },
     "px4": {
-        "NAV_VTOL_TAKEOFF as a command is UNSUPPORTED: a real fixed wing accepts it, and is then in a mode that it cannot fly.": [
+        "NAV_VTOL_TAKEOFF as a command is UNSUPPORTED: a real fixed wing accepts it, and is then in a mode that it "
+        "cannot fly.": [
             "long 84",
             "int 84",
             # A real one is in that mode still.

@@ -52,7 +52,9 @@ def test_a_file_of_ones_own(start_vehicles, tmp_path):
 
 def test_a_table_in_a_scenario_which_dynamics_changes(start_vehicles, scenario):
     path = scenario()
-    path.write_text('airframe = { base = "plane", speed_max_mps = 40 }\n' + path.read_text() + "\n[dynamics]\nspeed_min_mps = 8\n")
+    path.write_text(
+        'airframe = { base = "plane", speed_max_mps = 40 }\n' + path.read_text() + "\n[dynamics]\nspeed_min_mps = 8\n"
+    )
     craft = start_vehicles(path).connect()[0]
     assert values(craft) == [8, 22, 40, 5, 5, 80]
 
@@ -77,7 +79,10 @@ def test_climb_follows_its_parameter(start_vehicles):
 @pytest.mark.parametrize(
     ("airframe", "words"),
     [
-        ("plan", 'airframe "plan": file not found: must be "paper", "plane", "px4-plane" or a file with a table [airframe]'),
+        (
+            "plan",
+            'airframe "plan": file not found: must be "paper", "plane", "px4-plane" or a file with a table [airframe]',
+        ),
         ("[airframe]\nspeed = 3\n", ":2: "),
         ('[airframe]\nbase = "jet"\n', 'airframe.base = "jet": must be "paper", "plane", "px4-plane"'),
     ],
@@ -87,7 +92,9 @@ def test_what_is_wrong_with_an_airframe_is_told(program, tmp_path, airframe, wor
         path = tmp_path / "own.toml"
         path.write_text(airframe)
         airframe = str(path)
-    done = subprocess.run([program, "vehicles", "--count", "1", "--airframe", airframe], capture_output=True, text=True, timeout=20)
+    done = subprocess.run(
+        [program, "vehicles", "--count", "1", "--airframe", airframe], capture_output=True, text=True, timeout=20
+    )
     assert done.returncode == 2
     assert words in done.stderr, done.stderr
 

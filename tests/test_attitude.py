@@ -1,4 +1,5 @@
-"""SET_ATTITUDE_TARGET: an ArduPlane flies by it in GUIDED, each axis for three seconds; a PX4 in Offboard, by a stream."""
+"""SET_ATTITUDE_TARGET: an ArduPlane flies by it in GUIDED, each axis for three seconds; a PX4 in Offboard, by a
+stream."""
 
 import math
 

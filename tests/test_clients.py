@@ -40,7 +40,9 @@ def upload(craft, count):
     answer = insist(craft, lambda: mav.mission_count_send(*target, count), asked)
     while answer.get_type() != "MISSION_ACK":
         seq = answer.seq
-        answer = insist(craft, lambda: mav.send(plan(craft, seq)), asked, lambda answer: getattr(answer, "seq", -1) != seq)
+        answer = insist(
+            craft, lambda: mav.send(plan(craft, seq)), asked, lambda answer: getattr(answer, "seq", -1) != seq
+        )
     return answer.type
 
 
@@ -48,7 +50,12 @@ def download(craft):
     mav, target = craft.link.mav, (craft.system, craft.component)
     count = insist(craft, lambda: mav.mission_request_list_send(*target), ["MISSION_COUNT"]).count
     items = [
-        insist(craft, lambda: mav.mission_request_int_send(*target, seq), ["MISSION_ITEM_INT"], lambda item: item.seq == seq)
+        insist(
+            craft,
+            lambda: mav.mission_request_int_send(*target, seq),
+            ["MISSION_ITEM_INT"],
+            lambda item: item.seq == seq,
+        )
         for seq in range(count)
     ]
     mav.mission_ack_send(*target, mavlink.MAV_MISSION_ACCEPTED)

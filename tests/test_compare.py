@@ -1,4 +1,5 @@
-"""`columba compare`: the same results on any number of threads and after any interruption, and those of single flights."""
+"""`columba compare`: the same results on any number of threads and after any interruption, and those of single
+flights."""
 
 import json
 import re
@@ -66,7 +67,9 @@ def names(value):
     if isinstance(value, list):
         return set().union(*map(names, value))
     if isinstance(value, dict):
-        return set(value) | set().union(*(names(inner) for name, inner in value.items() if name not in ("medians", "paper")))
+        return set(value) | set().union(
+            *(names(inner) for name, inner in value.items() if name not in ("medians", "paper"))
+        )
     return set()
 
 
@@ -175,7 +178,10 @@ def test_two_into_one_folder_are_refused(command, tmp_path):
 @pytest.mark.parametrize(
     "text, told",
     [
-        ('[[contender]]\nname = "a"\n[contender.law]\nformation_gain = -1', 'bad.toml:4: contender "a": law.formation_gain = -1'),
+        (
+            '[[contender]]\nname = "a"\n[contender.law]\nformation_gain = -1',
+            'bad.toml:4: contender "a": law.formation_gain = -1',
+        ),
         ('[[contender]]\nname = "a"\nlok_ahead.horizon_s = 1', 'bad.toml:3: contender "a": lok_ahead: unknown key'),
         ('[[contender]]\nname = "a"\n[[contender]]\nname = "a"', "bad.toml:4: contender[2].name"),
         ("[[contender]]\nlaw.formation_gain = 1", "bad.toml:1: contender[1]: the key name is missing"),

@@ -85,8 +85,8 @@ FTP_TERMINATE, FTP_RESET, FTP_LIST, FTP_OPEN, FTP_NAK, FTP_BURST = 1, 2, 3, 4, 1
 
 
 def qgroundcontrol():
-    """What QGroundControl sends when it meets a vehicle, in its order: its initial connect state machine, then its camera,
-    gimbal, storage and video managers and the streams of its settings. Each with the answer that comes.
+    """What QGroundControl sends when it meets a vehicle, in its order: its initial connect state machine, then its
+    camera, gimbal, storage and video managers and the streams of its settings. Each with the answer that comes.
 
     Sources: InitialConnectStateMachine.cc, StandardModes.cc, ComponentInformationManager.cc, ParameterManager.cc,
     PlanManager.cc, QGCCameraManager.cc, GimbalController.cc of <https://github.com/mavlink/qgroundcontrol>.
@@ -106,7 +106,11 @@ def qgroundcontrol():
     yield "PX4's checksum", lambda mav, to: mav.param_request_read_send(*to, b"_HASH_CHECK", -1), ("PARAM_ERROR", None)
     yield "parameters", lambda mav, to: mav.param_request_list_send(*to), ("PARAM_VALUE", None)
     for plan in PLANS:
-        yield f"plan {plan}", lambda mav, to, plan=plan: mav.mission_request_list_send(*to, plan), ("MISSION_COUNT", None)
+        yield (
+            f"plan {plan}",
+            lambda mav, to, plan=plan: mav.mission_request_list_send(*to, plan),
+            ("MISSION_COUNT", None),
+        )
     yield "home", command(mavlink.MAV_CMD_GET_HOME_POSITION), ("HOME_POSITION", ACCEPTED)
     # A real one accepts them, and nothing comes.
     for kind in ("CAMERA_INFORMATION", "GIMBAL_MANAGER_INFORMATION", "VIDEO_STREAM_INFORMATION"):

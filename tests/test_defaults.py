@@ -44,7 +44,9 @@ def test_a_client_lists_reads_and_sets_them(start_vehicles, scenario, parameter_
     lists.fetch()
     found = lists.found[craft.system]
     by_name = {value.param_id: value.param_value for value in found.values()}
-    assert sorted(found) == list(range(len(by_name))) and {value.param_count for value in found.values()} == {len(by_name)}
+    assert sorted(found) == list(range(len(by_name))) and {value.param_count for value in found.values()} == {
+        len(by_name)
+    }
     assert (by_name["THR_MAX"], by_name["FLTMODE1"], by_name["RC1_MIN"], by_name["WP_LOITER_RAD"]) == (75, 10, 1000, 80)
     assert by_name["STAT_RUNTIME"] < 1000, "what the vehicle counts itself is its own"
     assert read(craft, "THR_MIN").param_value == 0
@@ -60,7 +62,9 @@ def test_a_client_lists_reads_and_sets_them(start_vehicles, scenario, parameter_
 def test_what_the_vehicles_do_not_use_is_named_in_one_line(program, parameter_file):
     many = "".join(f"SERVO{index}_MIN 1000\n" for index in range(1, 13))
     options = ["--defaults", str(parameter_file(many)), "--vehicle-port", "0", "--ground-port", "0", "--json"]
-    with subprocess.Popen([program, "vehicles", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+    with subprocess.Popen(
+        [program, "vehicles", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
         running.stdout.readline()
         running.terminate()
         errors = running.stderr.read()
@@ -69,14 +73,18 @@ def test_what_the_vehicles_do_not_use_is_named_in_one_line(program, parameter_fi
 
 
 def test_older_names_are_taken_over_as_arduplane_does_and_named(program, start_vehicles, scenario, parameter_file):
-    older = parameter_file("TRIM_ARSPD_CM 1250\nALT_HOLD_RTL 8000\nRST_SWITCH_CH 7\nSYSID_MYGCS 254\nSR0_EXTRA1 4\n", "older.parm")
+    older = parameter_file(
+        "TRIM_ARSPD_CM 1250\nALT_HOLD_RTL 8000\nRST_SWITCH_CH 7\nSYSID_MYGCS 254\nSR0_EXTRA1 4\n", "older.parm"
+    )
     craft = start_vehicles(scenario(), "--defaults", older).connect()[0]
     expected = {"AIRSPEED_CRUISE": 12.5, "RTL_ALTITUDE": 80, "RC7_OPTION": 96, "MAV_GCS_SYSID": 254}
     assert {name: read(craft, name).param_value for name in expected} == expected
     craft.link.mav.param_request_read_send(craft.system, 1, b"TRIM_ARSPD_CM", -1)
     assert craft.text().text == "No parameter TRIM_ARSPD_CM: it is AIRSPEED_CRUISE now"
     options = ["--airframe", "plane", "--defaults", str(older), "--vehicle-port", "0", "--ground-port", "0", "--json"]
-    with subprocess.Popen([program, "vehicles", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+    with subprocess.Popen(
+        [program, "vehicles", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
         running.stdout.readline()
         running.terminate()
         errors = running.stderr.read()
@@ -114,10 +122,16 @@ def test_a_scenario_names_files_beside_it(start_vehicles, scenario, parameter_fi
 
 
 def test_a_px4_has_qgroundcontrols_file_with_its_types(start_vehicles, scenario, parameter_file):
-    text = "# Onboard parameters\n1\t1\tCAL_ACC0_ID\t16777217\t6\n1\t1\tFW_P_TC\t0.400000005960464478\t9\n1\t1\tNAV_LOITER_RAD\t90.0\t9\n"
+    text = (
+        "# Onboard parameters\n1\t1\tCAL_ACC0_ID\t16777217\t6\n1\t1\tFW_P_TC\t0.400000005960464478\t9\n"
+        "1\t1\tNAV_LOITER_RAD\t90.0\t9\n"
+    )
     craft = start_vehicles(scenario(personality="px4"), "--defaults", parameter_file(text, "px4.params")).connect()[0]
     whole = read(craft, "CAL_ACC0_ID")
-    assert (struct.pack("<f", whole.param_value), whole.param_type) == (struct.pack("<i", 16777217), mavlink.MAV_PARAM_TYPE_INT32)
+    assert (struct.pack("<f", whole.param_value), whole.param_type) == (
+        struct.pack("<i", 16777217),
+        mavlink.MAV_PARAM_TYPE_INT32,
+    )
     real = read(craft, "FW_P_TC")
     assert (real.param_value, real.param_type) == (pytest.approx(0.4), mavlink.MAV_PARAM_TYPE_REAL32)
     assert read(craft, "NAV_LOITER_RAD").param_value == 90
@@ -144,11 +158,15 @@ def test_faults_are_told_by_file_and_line(program, parameter_file, tmp_path):
     )
     missing = tmp_path / "none.parm"
     assert f"{missing}: file not found" in refusal(program, "--defaults", missing)
-    assert "--param THR_MIN=3: must be the name of a parameter that the vehicle has" in refusal(program, "--param", "THR_MIN=3")
+    assert "--param THR_MIN=3: must be the name of a parameter that the vehicle has" in refusal(
+        program, "--param", "THR_MIN=3"
+    )
     state = tmp_path / "state"
     state.mkdir()
     (state / "vehicle-1.parm").write_text("# hand-made\nTHR_MIN 3\n")
-    assert f"{state}/vehicle-1.parm:2: No parameter THR_MIN" in refusal(program, "--state-folder", state, "--vehicle-port", 0, "--ground-port", 0)
+    assert f"{state}/vehicle-1.parm:2: No parameter THR_MIN" in refusal(
+        program, "--state-folder", state, "--vehicle-port", 0, "--ground-port", 0
+    )
 
 
 def test_mavutil_loads_and_saves_what_it_reads(start_vehicles, scenario, parameter_file, tmp_path):

@@ -1,7 +1,7 @@
 """The differential run: the same scenes against a real ArduPlane and against ours give the same answers.
 
-With COLUMBA_ARDUPLANE (the program, built for simulation) and COLUMBA_ARDUPLANE_DEFAULTS (its parameter file) the real one
-is asked now; without, its answers are those in `reference/arduplane.json`. To make that file anew:
+With COLUMBA_ARDUPLANE (the program, built for simulation) and COLUMBA_ARDUPLANE_DEFAULTS (its parameter file) the
+real one is asked now; without, its answers are those in `reference/arduplane.json`. To make that file anew:
 
     COLUMBA_ARDUPLANE=.../arduplane COLUMBA_ARDUPLANE_DEFAULTS=.../plane.parm python tests/test_differential.py
 """
@@ -61,7 +61,14 @@ def real_arduplane(folder):
         defaults,
         "--wipe",
     ]
-    command += ["--serial0", f"udpclient:127.0.0.1:{link.port.getsockname()[1]}", "--serial1", "none", "--serial2", "none"]
+    command += [
+        "--serial0",
+        f"udpclient:127.0.0.1:{link.port.getsockname()[1]}",
+        "--serial1",
+        "none",
+        "--serial2",
+        "none",
+    ]
     with open(Path(folder) / "log", "w") as log:
         process = subprocess.Popen(
             [str(word) for word in command], cwd=folder, stdout=log, stderr=log, stdin=subprocess.DEVNULL
@@ -88,7 +95,8 @@ def record():
         "what": "what a real ArduPlane answers to tests/scenes.py and tests/plan_scenes.py",
         "version": f"ArduPlane {number}-dev ({commit})",
         "started as": f"arduplane --model plane --speedup {SPEED} --sysid 1 --home {HOME} --defaults plane.parm --wipe",
-        "made by": "COLUMBA_ARDUPLANE=arduplane COLUMBA_ARDUPLANE_DEFAULTS=plane.parm python tests/test_differential.py",
+        "made by": "COLUMBA_ARDUPLANE=arduplane COLUMBA_ARDUPLANE_DEFAULTS=plane.parm python "
+        "tests/test_differential.py",
     }
     return {"head": head, "scenes": answers}
 

@@ -59,8 +59,16 @@ def test_what_is_uploaded_is_downloaded(craft):
         ([item(STAY_IN, p1=2), item(STAY_IN, p1=2)], mavlink.MAV_MISSION_ERROR, "Invalid vertex count (2)"),
         ([item(STAY_OUT, p1=0)], mavlink.MAV_MISSION_ERROR, "Non-positive circle radius"),
         ([item(RETURN), item(RETURN)], mavlink.MAV_MISSION_ERROR, "Multiple return points"),
-        ([item(STAY_OUT, p1=math.nan)], mavlink.MAV_MISSION_INVALID_PARAM1, "Fence refused: invalid param1, item 0 (5004)"),
-        ([item(mavlink.MAV_CMD_NAV_WAYPOINT)], mavlink.MAV_MISSION_UNSUPPORTED, "Fence refused: unsupported, item 0 (16)"),
+        (
+            [item(STAY_OUT, p1=math.nan)],
+            mavlink.MAV_MISSION_INVALID_PARAM1,
+            "Fence refused: invalid param1, item 0 (5004)",
+        ),
+        (
+            [item(mavlink.MAV_CMD_NAV_WAYPOINT)],
+            mavlink.MAV_MISSION_UNSUPPORTED,
+            "Fence refused: unsupported, item 0 (16)",
+        ),
         (
             [item(RETURN, frame=mavlink.MAV_FRAME_LOCAL_NED)],
             mavlink.MAV_MISSION_UNSUPPORTED_FRAME,

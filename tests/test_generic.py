@@ -95,7 +95,9 @@ def test_a_place_on_the_globe_is_flown_over(generic):
         0, 0, 0, 0, 0, 0, 0, 0,
     )  # fmt: skip
     metres = [
-        math.hypot((position.lat - there[0]) * 0.01113, (position.lon - there[1]) * 0.01113 * math.cos(math.radians(40)))
+        math.hypot(
+            (position.lat - there[0]) * 0.01113, (position.lon - there[1]) * 0.01113 * math.cos(math.radians(40))
+        )
         for position in generic.collect(["GLOBAL_POSITION_INT"], 30)
     ]
     assert min(metres) < 5
@@ -103,7 +105,8 @@ def test_a_place_on_the_globe_is_flown_over(generic):
 
 @pytest.mark.parametrize(
     ("mask", "velocity", "text"),
-    [(0xDEF, (0, 12, 0), "Setpoint refused: mask 0xdef is not followed"), (0xFFF, (0, 0, 0), "Setpoint refused: mask 0xfff is not followed"),
+    [(0xDEF, (0, 12, 0), "Setpoint refused: mask 0xdef is not followed"),
+     (0xFFF, (0, 0, 0), "Setpoint refused: mask 0xfff is not followed"),
      (0xDE7, (NAN, 12, 0), "Setpoint refused: mask 0xde7 is not followed")],
 )  # fmt: skip
 def test_a_target_that_asks_for_nothing_whole_is_refused_in_words(generic, mask, velocity, text):

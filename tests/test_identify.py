@@ -37,4 +37,4 @@ def test_vehicles_that_are_none_are_told(program, scenario):
     path.write_text(path.read_text() + '\n[[airframes]]\nvehicles = "1-90"\nairframe = "plane"\n')
     done = subprocess.run([program, "check", path], capture_output=True, text=True, timeout=20)
     assert done.returncode == 2
-    assert "airframes[1]: vehicles = \"1-90\": must be numbers and ranges" in done.stderr, done.stderr
+    assert 'airframes[1]: vehicles = "1-90": must be numbers and ranges' in done.stderr, done.stderr

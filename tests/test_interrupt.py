@@ -14,7 +14,9 @@ from ground import connection
 def test_an_interrupted_run_is_on_disk(program, tmp_path, sign):
     port = free_port()
     options = ["--speed", "2", "--duration", "600", "--vehicle-port", str(port), "--out", str(tmp_path / "run")]
-    process = subprocess.Popen([str(program), "run", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [str(program), "run", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     watch_until_s(port, 3.0)
     process.send_signal(sign)
     _, errors = process.communicate(timeout=30)

@@ -1,5 +1,6 @@
-"""Kinds of things that scripts for real autopilots do: who is addressed, which rates, what a reboot forgets, where a loiter is
-over, which values a parameter takes. What is right was confirmed on a real ArduPlane and PX4, or stands in their sources."""
+"""Kinds of things that scripts for real autopilots do: who is addressed, which rates, what a reboot forgets, where a
+loiter is over, which values a parameter takes. What is right was confirmed on a real ArduPlane and PX4, or stands in
+their sources."""
 
 import math
 
@@ -110,7 +111,29 @@ def test_a_rate_of_an_arduplane_has_no_third_param(start):
 # What is acknowledged comes.
 
 COMING = {
-    "arduplane": [35, 36, 83, 108, 116, 125, 129, 136, 137, 152, 163, 164, 165, 178, 192, 235, 241, 264, 295, 376, 11020],
+    "arduplane": [
+        35,
+        36,
+        83,
+        108,
+        116,
+        125,
+        129,
+        136,
+        137,
+        152,
+        163,
+        164,
+        165,
+        178,
+        192,
+        235,
+        241,
+        264,
+        295,
+        376,
+        11020,
+    ],
     "px4": [4, 36, 69, 83, 93, 111, 132, 192, 230, 241, 261, 264, 375],
 }
 
@@ -218,7 +241,11 @@ def test_a_loiter_of_no_turns_is_over_on_its_circle(start_vehicles, tmp_path):
     craft = start_vehicles(path, "--speed", 10).connect()[0]
     relative = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT
     centres = {1: (600, 600), 2: (600, -600)}
-    mission = [item(16), item(18, 600, 600, 100, p3=-100, frame=relative), item(18, 600, -600, 100, p3=100, frame=relative)]
+    mission = [
+        item(16),
+        item(18, 600, 600, 100, p3=-100, frame=relative),
+        item(18, 600, -600, 100, p3=100, frame=relative),
+    ]
     mission.append(item(16, altitude_m=100, frame=relative))
     assert Uploader(craft.link).upload(mission) == ACCEPTED
     craft.set_mode(AUTO)

@@ -1,4 +1,5 @@
-"""Many vehicles: patterns and swarm files, networks past 250, groups behind one port, and the table that says who is where."""
+"""Many vehicles: patterns and swarm files, networks past 250, groups behind one port, and the table that says who is
+where."""
 
 import socket
 import subprocess
@@ -118,7 +119,10 @@ def test_a_swarm_file_says_where_they_start(start_vehicles, program, tmp_path):
     swarm = tmp_path / "swarm.txt"
     swarm.write_text("#instance=East,North,Up,Heading\n1=20,30,0,90\n2=40,0,5,45\n")
     rows = start_vehicles("--swarm", swarm).rows
-    assert [(row["x_m"], row["y_m"], row["altitude_m"] - rows[0]["altitude_m"]) for row in rows] == [(30, 20, 0), (0, 40, 5)]
+    assert [(row["x_m"], row["y_m"], row["altitude_m"] - rows[0]["altitude_m"]) for row in rows] == [
+        (30, 20, 0),
+        (0, 40, 5),
+    ]
     assert rows[0]["course_rad"] == pytest.approx(1.5708, abs=1e-4)
     assert "--count 3: must be at most 2" in refused(program, "--swarm", swarm, "--count", 3)
     swarm.write_text("1=20,30,0,north\n")
@@ -162,4 +166,3 @@ def test_limits_are_named(program):
     overlapping = [program, "vehicles", "--vehicle-port", "14540", "--count", "20"]
     done = subprocess.run([str(word) for word in overlapping], stderr=subprocess.PIPE, text=True, timeout=30)
     assert done.returncode == 2 and "telemetry goes to UDP 14550" in done.stderr
-

@@ -14,7 +14,16 @@ REQUEST, INTERVAL = mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_SET_MESSAGE
 # Those that our client can read; HEARTBEAT comes anyhow, and MESSAGE_INTERVAL tells of another message.
 MESSAGES = [number for number in sorted(ardupilotmega.mavlink_map) if 0 < number < 13_000 and number != 244]
 # Fields that may have no number where nothing is known.
-UNKNOWN = {"q", "pose_covariance", "velocity_covariance", "covariance", "thrust_body", "approach_x", "approach_y", "approach_z"}
+UNKNOWN = {
+    "q",
+    "pose_covariance",
+    "velocity_covariance",
+    "covariance",
+    "thrust_body",
+    "approach_x",
+    "approach_y",
+    "approach_z",
+}
 PATIENCE_S = 30.0
 
 
@@ -103,13 +112,13 @@ def test_what_is_accepted_comes_and_makes_sense(craft):
         assert craft.acknowledged(INTERVAL) in (ACCEPTED, mavlink.MAV_RESULT_FAILED)
 
 
-# What a PX4 sends to ground stations and companion computers by itself (`configure_streams_to_default` of mavlink_main.cpp), in
-# the air, as far as there is such a thing here.
+# What a PX4 sends to ground stations and companion computers by itself (`configure_streams_to_default` of
+# mavlink_main.cpp), in the air, as far as there is such a thing here.
 UNASKED = """
     ALTITUDE ATTITUDE ATTITUDE_QUATERNION ATTITUDE_TARGET BATTERY_STATUS ESTIMATOR_STATUS EXTENDED_SYS_STATE
     GLOBAL_POSITION_INT GPS_GLOBAL_ORIGIN GPS_RAW_INT HIGHRES_IMU HOME_POSITION LOCAL_POSITION_NED NAV_CONTROLLER_OUTPUT
-    ODOMETRY POSITION_TARGET_GLOBAL_INT POSITION_TARGET_LOCAL_NED SCALED_PRESSURE SERVO_OUTPUT_RAW SYS_STATUS SYSTEM_TIME
-    VFR_HUD VIBRATION WIND_COV
+    ODOMETRY POSITION_TARGET_GLOBAL_INT POSITION_TARGET_LOCAL_NED SCALED_PRESSURE SERVO_OUTPUT_RAW SYS_STATUS
+    SYSTEM_TIME VFR_HUD VIBRATION WIND_COV
 """.split()
 
 

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from ground import ACCEPTED, FAILED, GUIDED, RTL, connection
+from ground import ACCEPTED, GUIDED, RTL, connection
 from plans import METRES_PER_DEGREE, Uploader, item, place
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
@@ -117,7 +117,9 @@ def test_the_old_messages_work_too(craft):
     craft.link.mav.mission_count_send(craft.system, 1, 2)
     for _ in range(2):
         seq = craft.wait(["MISSION_REQUEST", "MISSION_REQUEST_INT"]).seq
-        craft.link.mav.mission_item_send(craft.system, 1, seq, mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT, WAYPOINT, 0, 1, 0, 0, 0, 0, x, y, 60)
+        craft.link.mav.mission_item_send(
+            craft.system, 1, seq, mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT, WAYPOINT, 0, 1, 0, 0, 0, 0, x, y, 60
+        )
     assert craft.wait(["MISSION_ACK"]).type == mavlink.MAV_MISSION_ACCEPTED
     craft.link.mav.mission_request_send(craft.system, 1, 1)
     assert craft.wait(["MISSION_ITEM"]).x == pytest.approx(x, abs=1e-5)

@@ -26,7 +26,11 @@ def checksum(header_and_payload, extra):
 def unknown_id(rng):
     """A frame with a message id that no dialect has: whether its checksum is right nobody can tell."""
     payload = rng.randbytes(rng.randrange(1, 256))
-    inside = struct.pack("<BBBBBB", len(payload), 0, 0, rng.randrange(256), 77, 1) + (0xABCDEF).to_bytes(3, "little") + payload
+    inside = (
+        struct.pack("<BBBBBB", len(payload), 0, 0, rng.randrange(256), 77, 1)
+        + (0xABCDEF).to_bytes(3, "little")
+        + payload
+    )
     return b"\xfd" + inside + checksum(inside, rng.randrange(256))
 
 

@@ -1,6 +1,7 @@
 """docs/paper.md: its tables and figures are what its own commands give.
 
-All of them take ten minutes (scripts/paper --check); here fly the two that would notice a change of the letter or of the default.
+All of them take ten minutes (scripts/paper --check); here fly the two that would notice a change of the letter or of
+the default.
 """
 
 import os

@@ -1,4 +1,5 @@
-"""Parameters: listed, read, written, refused, kept over a restart; over a bad link, and of two hundred vehicles at once."""
+"""Parameters: listed, read, written, refused, kept over a restart; over a bad link, and of two hundred vehicles at
+once."""
 
 import math
 import subprocess
@@ -116,7 +117,12 @@ def test_two_hundred_vehicles_through_one_port(start_vehicles, loss):
     link.close()
     names = [sorted(value.param_id for value in found.values()) for found in lists.found.values()]
     assert len(names) == 200 and all(name == names[0] for name in names)
-    own = {system: value.param_value for system, found in lists.found.items() for value in found.values() if value.param_id == "MAV_SYSID"}
+    own = {
+        system: value.param_value
+        for system, found in lists.found.items()
+        for value in found.values()
+        if value.param_id == "MAV_SYSID"
+    }
     assert own == {row["system_id"]: row["system_id"] for row in rows}
 
 

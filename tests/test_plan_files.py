@@ -1,4 +1,5 @@
-"""`.plan` files of QGroundControl, as it sends them, on an ArduPlane and a PX4: taken, or refused as by the real one."""
+"""`.plan` files of QGroundControl, as it sends them, on an ArduPlane and a PX4: taken, or refused as by the real
+one."""
 
 import pytest
 from plan_file import fence, mission, rally, upload

@@ -7,7 +7,7 @@ import pytest
 from conftest import PROJECT
 from pytest_columba import Fleet
 
-THEIRS = '''
+THEIRS = """
 def test_three_answer(columba_vehicles):
     vehicles = columba_vehicles(3)
     assert sorted(vehicle.system_id for vehicle in vehicles) == [1, 2, 3]
@@ -37,7 +37,7 @@ def test_a_group_is_ready(columba_vehicles):
 def test_that_fails(columba_vehicles):
     columba_vehicles(1)
     assert False, "on purpose"
-'''
+"""
 
 
 def readme():

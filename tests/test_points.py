@@ -1,4 +1,5 @@
-"""Fences and rally points by ArduPilot's older messages, one point in each, as MAVProxy's and dronekit's scripts of old."""
+"""Fences and rally points by ArduPilot's older messages, one point in each, as MAVProxy's and dronekit's scripts of
+old."""
 
 import pytest
 from plans import FENCE, RALLY, Uploader, item, place

@@ -87,7 +87,9 @@ def test_bytes_come_in_any_pieces(ardupilot):
     host, port = address(ardupilot.rows[0], "tcp").rsplit(":", 1)
     link = connect(f"tcp:{host}:{port}")
     assert heard(link)
-    request = mavlink.MAVLink_command_long_message(1, 1, COMMAND, 0, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION, 0, 0, 0, 0, 0, 0)
+    request = mavlink.MAVLink_command_long_message(
+        1, 1, COMMAND, 0, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION, 0, 0, 0, 0, 0, 0
+    )
     for byte in request.pack(link.mav):
         link.port.send(bytes([byte]))
     assert heard(link, "AUTOPILOT_VERSION")

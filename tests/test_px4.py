@@ -58,7 +58,8 @@ def target(craft, mask, place=(0, 0, 0), velocity=(0, 0, 0), frame=mavlink.MAV_F
 
 
 def stream(craft, seconds, mask, **fields):
-    """Streams a target at every position that the vehicle tells, over so many seconds of its time; gives the last one."""
+    """Streams a target at every position that the vehicle tells, over so many seconds of its time; gives the last
+    one."""
     first = craft.sample()
     while True:
         target(craft, mask, **fields)
@@ -123,13 +124,20 @@ def as_integer(value):
 
 def test_parameters_have_px4s_names_and_all_are_listed(px4):
     px4.link.mav.param_request_list_send(px4.system, px4.component)
-    listed = {}
-    while not listed or len(listed) < count:
+    listed, count = {}, None
+    while len(listed) != count:
         value = px4.wait(["PARAM_VALUE"])
         listed[value.param_index], count = value.param_id, value.param_count
     names = set(listed.values())
     assert sorted(listed) == list(range(count)) and len(names) == count
-    assert {"MAV_SYS_ID", "FW_AIRSPD_TRIM", "NAV_LOITER_RAD", "MIS_TAKEOFF_ALT", "COM_OF_LOSS_T", "NAV_DLL_ACT"} <= names
+    assert {
+        "MAV_SYS_ID",
+        "FW_AIRSPD_TRIM",
+        "NAV_LOITER_RAD",
+        "MIS_TAKEOFF_ALT",
+        "COM_OF_LOSS_T",
+        "NAV_DLL_ACT",
+    } <= names
     assert not {"MAV_SYSID", "AIRSPEED_CRUISE", "WP_LOITER_RAD", "FS_GCS_ENABL"} & names
 
 
@@ -425,7 +433,11 @@ def test_it_takes_off_by_setpoints_alone(start_px4):
 
 @pytest.mark.parametrize(
     ("main", "sub", "words"),
-    [(AUTO, MISSION, "No valid mission available"), (AUTO, RETURN, "Mode not armable"), (AUTO, LAND, "Mode not armable")],
+    [
+        (AUTO, MISSION, "No valid mission available"),
+        (AUTO, RETURN, "Mode not armable"),
+        (AUTO, LAND, "Mode not armable"),
+    ],
 )
 def test_it_says_why_it_does_not_arm(start_px4, main, sub, words):
     px4 = start_px4("--on-ground")

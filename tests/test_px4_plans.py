@@ -1,4 +1,5 @@
-"""Plans of a PX4: how it transfers them, one at a time, item after item, and which missions it takes and does not fly."""
+"""Plans of a PX4: how it transfers them, one at a time, item after item, and which missions it takes and does not
+fly."""
 
 import pytest
 from ground import ACCEPTED, DENIED
@@ -166,7 +167,11 @@ WAY, HIGH, LANDING = item(16, 600, 0, 30), item(16, 600, 0, 90), item(21, 1000, 
     [
         (0, [TAKEOFF, WAY, LANDING], None),
         (0, [WAY], None),
-        (0, [TAKEOFF, HIGH, LANDING], "Mission rejected: the landing glide slope is steeper than the vehicle setting of 5.0 degrees."),
+        (
+            0,
+            [TAKEOFF, HIGH, LANDING],
+            "Mission rejected: the landing glide slope is steeper than the vehicle setting of 5.0 degrees.",
+        ),
         (0, [WAY, TAKEOFF], "Mission rejected: takeoff not first waypoint item"),
         (1, [WAY], "Mission rejected: Takeoff waypoint required."),
         (2, [TAKEOFF, WAY], "Mission rejected: Landing waypoint/pattern required."),

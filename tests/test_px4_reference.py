@@ -1,8 +1,8 @@
 """What a real PX4 answered when plans were transferred and judged, message by message, and what ours answers.
 
-`reference/px4-plans.json` was recorded from a PX4 1.18 (SIH, a fixed wing on the ground, disarmed). A real one answers some
-things again after 0.25 s: the request for an item and the count of a download are compared only where they are new.
-`reference/px4-flight.json` is the same PX4 in the air."""
+`reference/px4-plans.json` was recorded from a PX4 1.18 (SIH, a fixed wing on the ground, disarmed). A real one
+answers some things again after 0.25 s: the request for an item and the count of a download are compared only where
+they are new. `reference/px4-flight.json` is the same PX4 in the air."""
 
 import json
 import math
@@ -53,7 +53,9 @@ class Talk:
 
     def item(self, seq, fields=POINTS[0], current=0, plan=MISSION):
         frame, command, p1, p2, p3, x, y, z = fields
-        self.mav.mission_item_int_send(self.craft.system, 1, seq, frame, command, current, 1, p1, p2, p3, 0, x, y, z, plan)
+        self.mav.mission_item_int_send(
+            self.craft.system, 1, seq, frame, command, current, 1, p1, p2, p3, 0, x, y, z, plan
+        )
 
     def list(self, plan=MISSION):
         self.mav.mission_request_list_send(self.craft.system, 1, plan)
@@ -99,7 +101,9 @@ def told(message):
     if kind == "MISSION_COUNT":
         return f"COUNT {message.count} t{message.mission_type}"
     if kind == "MISSION_ITEM_INT":
-        params = [round(value, 2) for value in (message.param1, message.param2, message.param3, message.param4, message.z)]
+        params = [
+            round(value, 2) for value in (message.param1, message.param2, message.param3, message.param4, message.z)
+        ]
         return f"ITEM_INT {message.seq} cmd {message.command} cur {message.current} frame {message.frame} {params}"
     return f"TEXT {message.text}"
 
@@ -190,7 +194,8 @@ FLOWN = [
 
 
 def test_a_mission_is_flown_and_told_as_by_a_real_px4(start_vehicles):
-    """Which items, states, modes and texts come in which order, and how many seconds before a waypoint it is reached."""
+    """Which items, states, modes and texts come in which order, and how many seconds before a waypoint it is
+    reached."""
     craft = start_vehicles("--count", 1, "--personality", "px4", "--on-ground", "--speed", 20).connect()[0]
     talk = Talk(craft)
     items = [item(command, north, east, height, p1=p1, p2=p2) for command, p1, p2, north, east, height in FLOWN]

@@ -1,4 +1,5 @@
-"""The README's blocks and those of the plugin's page, run as they are printed, in the order of the page, in a fresh folder."""
+"""The README's blocks and those of the plugin's page, run as they are printed, in the order of the page, in a fresh
+folder."""
 
 import os
 import re
@@ -50,7 +51,8 @@ def commands(code):
 
 @pytest.fixture
 def clone(program, tmp_path):
-    """A folder that has what a clone of the project has after `cargo build --release`, and nothing that a test wrote."""
+    """A folder that has what a clone of the project has after `cargo build --release`, and nothing that a test
+    wrote."""
     for name in ("config", "tests", "docs"):
         (tmp_path / name).symlink_to(PROJECT / name)
     (tmp_path / "target/release").mkdir(parents=True)
@@ -72,7 +74,9 @@ class Shell:
         (tools / "pip").write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m pip "$@"\n')
         (tools / "pip").chmod(0o755)
         path = f"{tools}:{os.environ['PATH']}"
-        self.environment = {name: value for name, value in os.environ.items() if not name.startswith(("COLUMBA", "PYTEST"))}
+        self.environment = {
+            name: value for name, value in os.environ.items() if not name.startswith(("COLUMBA", "PYTEST"))
+        }
         self.environment |= {"PATH": path, **environment}
 
     def start(self, line):
@@ -82,7 +86,8 @@ class Shell:
         )  # fmt: skip
 
     def run(self, line):
-        """Runs a line to its end, or ends it with Ctrl-C; gives what it printed, its status, and whether it was ended."""
+        """Runs a line to its end, or ends it with Ctrl-C; gives what it printed, its status, and whether it was
+        ended."""
         words = line.split()
         patience_s = PATIENCE_S.get(words[1] if words[0] == "columba" else "", ENDS_S)
         if "--speed" in words:
@@ -156,7 +161,11 @@ def test_a_field_of_your_own_flies(shell):
 def test_the_script_steers_a_vehicle(start_vehicles, tmp_path):
     address = start_vehicles("--speed", 5).rows[0]["address"]
     script = tmp_path / "script.py"
-    script.write_text(block(section(README, "### Vehicles for a controller of your own"), "python").replace("127.0.0.1:14600", address))
+    script.write_text(
+        block(section(README, "### Vehicles for a controller of your own"), "python").replace(
+            "127.0.0.1:14600", address
+        )
+    )
     said = subprocess.run([sys.executable, script], check=True, capture_output=True, text=True, timeout=30).stdout
     assert "mode GUIDED" in said
     assert "COMMAND_ACK {command : 43002, result : 0" in said
@@ -192,7 +201,11 @@ def test_the_plugins_page(shell):
     # With pip, in an environment of its own, no line in a conftest is needed.
     for name in ("pytest_columba.py", "conftest.py"):
         (shell.folder / "my/tests" / name).unlink()
-    shutil.copytree(PROJECT / "tests/plugin", shell.folder / "plugin", ignore=shutil.ignore_patterns("build", "*.egg-info", "__pycache__"))
+    shutil.copytree(
+        PROJECT / "tests/plugin",
+        shell.folder / "plugin",
+        ignore=shutil.ignore_patterns("build", "*.egg-info", "__pycache__"),
+    )
     site = shell.folder / "site"
     out, err, status, _ = shell.run(pip.replace("./tests/plugin", f"./plugin --no-deps --target {site}"))
     if status and "setuptools" in err:
@@ -216,7 +229,11 @@ def test_measuring_optimisers_and_a_bad_link(shell):
 def test_every_shell_block_is_run_by_a_test_above():
     """A block that is added to the page is added here, too."""
     headings = re.findall(r"^##+ .*$", README, re.MULTILINE)
-    with_blocks = [heading for heading in headings if any(of == "sh" and commands(code) for of, code in blocks(section(README, heading)))]
+    with_blocks = [
+        heading
+        for heading in headings
+        if any(of == "sh" and commands(code) for of, code in blocks(section(README, heading)))
+    ]
     assert [heading for heading in with_blocks if heading.startswith("### ")] == [
         "### Fly the paper's flight",
         "### Watch it in real time",
@@ -241,4 +258,6 @@ def test_every_counter_of_the_link_is_explained(flown):
 
 def names(text):
     """The names in the first column of a table."""
-    return sorted(re.findall(r"`(\w+)`", "".join(line.split("|")[1] for line in text.splitlines() if line.startswith("|"))))
+    return sorted(
+        re.findall(r"`(\w+)`", "".join(line.split("|")[1] for line in text.splitlines() if line.startswith("|")))
+    )

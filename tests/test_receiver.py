@@ -1,4 +1,5 @@
-"""A pilot's receiver that fails, arming by the rudder stick, how long overrides hold, and ArduPilot's port for sticks."""
+"""A pilot's receiver that fails, arming by the rudder stick, how long overrides hold, and ArduPilot's port for
+sticks."""
 
 import socket
 import struct

@@ -61,7 +61,9 @@ def test_the_smallest_clearance_is_that_of_the_log(flown, tracks, obstacles):
     def clearance_m(at):
         return min(math.dist((at.x_m, at.y_m), (o["x_m"], o["y_m"])) - o["radius_m"] for o in obstacles)
 
-    least_m, vehicle, at = min((clearance_m(at), vehicle, at.t_s) for vehicle, track in tracks.items() for at in track.values())
+    least_m, vehicle, at = min(
+        (clearance_m(at), vehicle, at.t_s) for vehicle, track in tracks.items() for at in track.values()
+    )
     summary = flown.summary
     assert 0 <= least_m - summary["min_clearance_m"] + 1e-4 <= 15 * NEAREST_S
     assert vehicle == summary["min_clearance_vehicle"]
@@ -88,7 +90,12 @@ def test_the_trajectory_is_the_log_at_every_tick(flown, tracks):
     for row in flown.trajectory:
         at = tracks[row["vehicle"]][round(1000 * row["t_s"])]
         # Positions and climb are the very numbers of the wire; speed and course are made of its velocity.
-        assert (row["x_m"], row["y_m"], row["altitude_m"], row["climb_mps"]) == (at.x_m, at.y_m, at.altitude_m, at.climb_mps)
+        assert (row["x_m"], row["y_m"], row["altitude_m"], row["climb_mps"]) == (
+            at.x_m,
+            at.y_m,
+            at.altitude_m,
+            at.climb_mps,
+        )
         assert (row["speed_mps"], row["course_rad"]) == pytest.approx((at.speed_mps, at.course_rad), abs=1e-9)
 
 

@@ -58,7 +58,11 @@ class Controller:
         self.folder = folder
         words = [program, "fly", *options, "--out", folder, "--no-report"]
         self.process = subprocess.Popen(
-            [str(word) for word in words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [str(word) for word in words],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
         )
         self.lines = []
 
@@ -106,7 +110,8 @@ def told(run, text):
 
 
 @pytest.mark.parametrize(
-    "personality, flies, left", [("arduplane", "GUIDED", "LOITER"), ("px4", "Guided Course", "Hold"), ("generic", "GUIDED", "LOITER")]
+    "personality, flies, left",
+    [("arduplane", "GUIDED", "LOITER"), ("px4", "Guided Course", "Hold"), ("generic", "GUIDED", "LOITER")],
 )
 def test_from_the_ground_to_a_loiter(start_fly, start_vehicles, field, personality, flies, left):
     port, scenario = free_port(), field()
@@ -221,7 +226,9 @@ def test_ctrl_c_leaves_nobody_in_guided(start_fly, start_vehicles, field):
     assert [craft.mode() for craft in vehicles.connect()] == [RTL, RTL]
 
 
-def test_a_killed_controller_leaves_its_record_and_another_picks_the_flight_up(start_fly, start_vehicles, field, program):
+def test_a_killed_controller_leaves_its_record_and_another_picks_the_flight_up(
+    start_fly, start_vehicles, field, program
+):
     port, scenario = free_port(), field(duration_s=20)
     start_vehicles(scenario, "--speed", 2, ground_port=port)
     options = (scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
@@ -254,7 +261,9 @@ def test_the_operator_pauses_resumes_drops_takes_and_aborts(start_fly, start_veh
     first, second = vehicles.connect()
 
     def until(craft, mode):
-        craft.wait(["HEARTBEAT"], lambda message: message.get_srcSystem() == craft.system and message.custom_mode == mode)
+        craft.wait(
+            ["HEARTBEAT"], lambda message: message.get_srcSystem() == craft.system and message.custom_mode == mode
+        )
 
     controller.say("pause")
     until(first, LOITER), until(second, LOITER)

@@ -14,7 +14,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from test_station import field, one, start_fly, told  # noqa: F401
 
 
-def test_one_that_stays_on_the_ground_is_named_and_the_others_wait_near_home(start_fly, start_vehicles, field, one):  # noqa: F811
+def test_one_that_stays_on_the_ground_is_named_and_the_others_wait_near_home(start_fly, start_vehicles, field, one):
     port, scenario = free_port(), field(count=2)
     start_vehicles(one(-6.0), "--on-ground", "--speed", 10, ground_port=port)
     dead = ("--param", "MAV_SYSID=9", "--param", "SIM_ENGINE_FAIL=1")
@@ -29,7 +29,7 @@ def test_one_that_stays_on_the_ground_is_named_and_the_others_wait_near_home(sta
     assert first["vehicle"] == 1 and max(abs(first["x_m"]), abs(first["y_m"])) < 500
 
 
-def test_one_that_is_not_ready_is_named_and_nobody_is_armed(start_fly, start_vehicles, field, one):  # noqa: F811
+def test_one_that_is_not_ready_is_named_and_nobody_is_armed(start_fly, start_vehicles, field, one):
     port = free_port()
     start_vehicles(one(-6.0), "--on-ground", "--speed", 10, ground_port=port)
     blind = ("--param", "MAV_SYSID=9", "--param", "SIM_GPS1_ENABLE=0")
@@ -84,8 +84,10 @@ class Stubborn(threading.Thread):
         self.link.close()
 
 
-@pytest.mark.parametrize("refused, says", [(43000, "refuses the speed in GUIDED: FAILED"), (176, "was not seen to end as it should")])
-def test_one_that_refuses_a_command_is_named(start_fly, field, refused, says):  # noqa: F811
+@pytest.mark.parametrize(
+    "refused, says", [(43000, "refuses the speed in GUIDED: FAILED"), (176, "was not seen to end as it should")]
+)
+def test_one_that_refuses_a_command_is_named(start_fly, field, refused, says):
     port = free_port()
     stubborn = Stubborn(port, refused)
     try:
@@ -96,7 +98,7 @@ def test_one_that_refuses_a_command_is_named(start_fly, field, refused, says):  
     assert f"vehicle 1 {says}" in run.summary["failure"] and len(told(run, says)) == 1
 
 
-def test_one_whose_limits_become_narrower_is_told(start_fly, start_vehicles, field):  # noqa: F811
+def test_one_whose_limits_become_narrower_is_told(start_fly, start_vehicles, field):
     port, scenario = free_port(), field(count=2, duration_s=20)
     vehicles = start_vehicles(scenario, "--speed", 4, ground_port=port)
     controller = start_fly(scenario, "--speed", 4, "--link", f"udpin:127.0.0.1:{port}")
@@ -111,7 +113,7 @@ def test_one_whose_limits_become_narrower_is_told(start_fly, start_vehicles, fie
     assert [vehicle["mode"] for vehicle in run.summary["station"]["vehicles"]] == ["LOITER"] * 2
 
 
-def test_a_machine_that_stalls_is_told_and_nobody_is_called_lost_for_it(start_fly, start_vehicles, field):  # noqa: F811
+def test_a_machine_that_stalls_is_told_and_nobody_is_called_lost_for_it(start_fly, start_vehicles, field):
     port, scenario = free_port(), field(count=2, duration_s=30)
     start_vehicles(scenario, "--speed", 2, ground_port=port)
     controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
@@ -127,7 +129,7 @@ def test_a_machine_that_stalls_is_told_and_nobody_is_called_lost_for_it(start_fl
     assert [vehicle["mode"] for vehicle in run.summary["station"]["vehicles"]] == ["LOITER"] * 2
 
 
-def test_what_a_link_loses_is_counted(start_fly, start_vehicles, field):  # noqa: F811
+def test_what_a_link_loses_is_counted(start_fly, start_vehicles, field):
     port, scenario = free_port(), field(count=2, duration_s=10)
     start_vehicles(scenario, "--speed", 2, ground_port=port)
     options = ("--speed", 2, "--link", f"udpin:127.0.0.1:{port}", "--loss", 0.1)
@@ -138,7 +140,7 @@ def test_what_a_link_loses_is_counted(start_fly, start_vehicles, field):  # noqa
     assert run.summary["completed"] and not told(run, "is lost")
 
 
-def test_a_double_that_comes_up_in_flight_changes_nothing(start_fly, start_vehicles, field):  # noqa: F811
+def test_a_double_that_comes_up_in_flight_changes_nothing(start_fly, start_vehicles, field):
     port, scenario = free_port(), field(count=1, duration_s=20)
     start_vehicles(scenario, "--speed", 2, ground_port=port)
     controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
@@ -147,7 +149,9 @@ def test_a_double_that_comes_up_in_flight_changes_nothing(start_fly, start_vehic
     try:
         for step in range(40):
             double.mav.heartbeat_send(1, 3, 0x51, 0, 3)  # disarmed, in MANUAL
-            double.mav.global_position_int_send(1000 + 100 * step, 400_000_000, 1_164_000_000, 90_000, 40_000, 0, 0, 0, 0)
+            double.mav.global_position_int_send(
+                1000 + 100 * step, 400_000_000, 1_164_000_000, 90_000, 40_000, 0, 0, 0, 0
+            )
             if step == 20:
                 controller.wait_for("another autopilot speaks with its system id")
             time.sleep(0.05)
@@ -160,7 +164,7 @@ def test_a_double_that_comes_up_in_flight_changes_nothing(start_fly, start_vehic
     assert all(abs(row["x_m"]) < 1000 for row in run.trajectory)
 
 
-def test_gaps_in_what_routers_pass_on_are_no_losses(start_fly, start_vehicles, field):  # noqa: F811
+def test_gaps_in_what_routers_pass_on_are_no_losses(start_fly, start_vehicles, field):
     port, scenario = free_port(), field(count=1, duration_s=10)
     start_vehicles(scenario, "--speed", 2, ground_port=port)
     controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
@@ -199,7 +203,7 @@ class Overtaking(LossyProxy):
         return mavlink.MAVLink(None).parse_buffer(datagram) or []
 
 
-def test_a_heartbeat_that_was_overtaken_is_no_pilot(start_fly, start_vehicles, field):  # noqa: F811
+def test_a_heartbeat_that_was_overtaken_is_no_pilot(start_fly, start_vehicles, field):
     port, scenario = free_port(), field(duration_s=5)
     with Overtaking(port) as link:
         start_vehicles(scenario, "--on-ground", "--speed", 5, ground_port=link.port)

@@ -61,7 +61,7 @@ class Line:
         [thread.join() for thread in self.threads]
 
 
-def test_two_vehicles_on_a_serial_line(start_fly, start_vehicles, field):  # noqa: F811
+def test_two_vehicles_on_a_serial_line(start_fly, start_vehicles, field):
     scenario = field(duration_s=12)
     vehicles = start_vehicles(scenario, "--per-port", 2, ground_port=None)
     line = Line(vehicles.rows[0]["port"])
@@ -126,7 +126,7 @@ class Tcp:
         self.listener.close()
 
 
-def test_a_tcp_link_that_breaks_in_flight_is_made_again(start_fly, start_vehicles, field):  # noqa: F811
+def test_a_tcp_link_that_breaks_in_flight_is_made_again(start_fly, start_vehicles, field):
     scenario = field(duration_s=15)
     vehicles = start_vehicles(scenario, "--per-port", 2)
     before = Tcp(vehicles.rows[0]["port"])
@@ -144,7 +144,8 @@ def test_a_tcp_link_that_breaks_in_flight_is_made_again(start_fly, start_vehicle
 
 
 class Signer:
-    """Stands between the station and vehicles that know no signatures: signs what they say, and passes on what is signed."""
+    """Stands between the station and vehicles that know no signatures: signs what they say, and passes on what is
+    signed."""
 
     def __init__(self, station_port, vehicle_port):
         self.up = bind()
@@ -203,7 +204,7 @@ def key_file(tmp_path):
     return path
 
 
-def test_signed_links_take_nothing_that_is_unsigned_forged_or_replayed(start_fly, start_vehicles, field, key_file):  # noqa: F811
+def test_signed_links_take_nothing_that_is_unsigned_forged_or_replayed(start_fly, start_vehicles, field, key_file):
     scenario, port, other_port = field(count=1, duration_s=10), free_port(), free_port()
     vehicles = start_vehicles(scenario)
     signer = Signer(port, vehicles.rows[0]["port"])
@@ -241,13 +242,13 @@ def test_signed_links_take_nothing_that_is_unsigned_forged_or_replayed(start_fly
     assert signer.signed_from_station > 10 and signer.unsigned_from_station == 0
 
 
-def test_a_key_that_others_may_read_is_refused(start_fly, field, key_file):  # noqa: F811
+def test_a_key_that_others_may_read_is_refused(start_fly, field, key_file):
     key_file.chmod(0o644)
     run = start_fly(field(), "--signing-key", key_file).process
     _, errors = run.communicate(timeout=30)
     assert run.returncode == 2 and "chmod 600" in errors and KEY.hex() not in errors
 
 
-def test_commands_that_go_unsigned_beyond_loopback_are_warned_of(start_fly, field):  # noqa: F811
+def test_commands_that_go_unsigned_beyond_loopback_are_warned_of(start_fly, field):
     controller = start_fly(field(), "--link", f"udpin:0.0.0.0:{free_port()}")
     assert "--signing-key" in controller.wait_for("unsigned beyond this machine")

@@ -7,7 +7,7 @@ from test_station import field, start_fly  # noqa: F401
 
 
 @pytest.mark.parametrize("name", ROUTERS)
-def test_a_flight_through_a_router(start_fly, start_vehicles, field, tmp_path, name):  # noqa: F811
+def test_a_flight_through_a_router(start_fly, start_vehicles, field, tmp_path, name):
     scenario, vehicles_port, ground_port = field(count=2, duration_s=8), free_port(), free_port()
     with router(name, tmp_path, vehicles_port, ground_port):
         start_vehicles(scenario, "--per-port", 2, ground_port=vehicles_port)

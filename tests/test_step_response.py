@@ -2,7 +2,8 @@
 
 When a vehicle takes a command is not in its telemetry, but its first motion is: the command was taken at or after the
 last sample that does not move yet and before the first that does, at a whole integration step. Of these few instants,
-two at the rate that is asked for here, the one that fits best is taken; then every sample has to lie within 2 % of the step.
+two at the rate that is asked for here, the one that fits best is taken; then every sample has to lie within 2 % of
+the step.
 """
 
 import math

@@ -1,7 +1,8 @@
-"""Other people's clients, as they are: each connects, reads all parameters, uploads a mission, flies it, and comes home.
+"""Other people's clients, as they are: each connects, reads all parameters, uploads a mission, flies it, and comes
+home.
 
-dronekit and MAVSDK are among the tests' requirements. MAVProxy (pip install MAVProxy) and mavlink-routerd are not: a test
-whose program is not on the PATH is skipped, and says which.
+dronekit and MAVSDK are among the tests' requirements. MAVProxy (pip install MAVProxy) and mavlink-routerd are not: a
+test whose program is not on the PATH is skipped, and says which.
 """
 
 import importlib

@@ -69,7 +69,10 @@ def folder(program, tmp_path_factory):
 
 def test_indicators_are_those_of_the_fronts(folder):
     print("recomputed by", "lines of our own" if HV is None else "pymoo")
-    key = lambda row: (row["problem"], row["optimizer"], row["seed"])
+
+    def key(row):
+        return row["problem"], row["optimizer"], row["seed"]
+
     fronts = {k: [costs(row) for row in members] for k, members in groupby(rows(folder / "fronts.parquet"), key)}
     true_fronts = {
         problem: [costs(row) for row in points]

@@ -1,7 +1,7 @@
 """Ours answers what real autopilots answer, to every command, message and mission item (`sweep.py`).
 
-`reference/answers-arduplane.json` and `reference/answers-px4.json` are what real ones said. What ours says otherwise is in
-`sweep_differences.py`, each with its reason, which docs/mavlink.md gives too.
+`reference/answers-arduplane.json` and `reference/answers-px4.json` are what real ones said. What ours says otherwise
+is in `sweep_differences.py`, each with its reason, which docs/mavlink.md gives too.
 """
 
 import json
@@ -23,11 +23,15 @@ FLOOR = 0.97
 def recorded(personality):
     """Label -> answer."""
     answers = json.loads((FOLDER / f"reference/answers-{personality}.json").read_text())["answers"]
-    return {f"{kind} {label}": answer for kind, by in answers.items() for answer, labels in by.items() for label in labels}
+    return {
+        f"{kind} {label}": answer for kind, by in answers.items() for answer, labels in by.items() for label in labels
+    }
 
 
 def reasons(personality, label):
-    return [reason for reason, labels in KNOWN[personality].items() if any(fnmatchcase(label, known) for known in labels)]
+    return [
+        reason for reason, labels in KNOWN[personality].items() if any(fnmatchcase(label, known) for known in labels)
+    ]
 
 
 @pytest.mark.parametrize("personality", ["arduplane", "px4"])

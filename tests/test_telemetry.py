@@ -94,7 +94,11 @@ def test_local_and_global_positions_agree(craft):
     origin = craft.request(mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN, "GPS_GLOBAL_ORIGIN")
     messages = craft.collect(["LOCAL_POSITION_NED", "GLOBAL_POSITION_INT"], 12)
     local = {m.time_boot_ms: m for m in messages if m.get_type() == "LOCAL_POSITION_NED"}
-    pairs = [(local[m.time_boot_ms], m) for m in messages if m.get_type() == "GLOBAL_POSITION_INT" and m.time_boot_ms in local]
+    pairs = [
+        (local[m.time_boot_ms], m)
+        for m in messages
+        if m.get_type() == "GLOBAL_POSITION_INT" and m.time_boot_ms in local
+    ]
     assert len(pairs) >= 40
     for near, far in pairs:
         north_m, east_m = metres(origin, far)

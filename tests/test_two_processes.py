@@ -40,7 +40,8 @@ def test_in_real_time_the_flock_flies_what_the_controller_says(fly, start_vehicl
 
 
 def test_somebody_looks_on_while_the_controller_speaks_first(fly, start_vehicles, scenario):
-    """Telemetry goes to a ground station; the controller, at a port of its own, speaks to the vehicles, and arms them."""
+    """Telemetry goes to a ground station; the controller, at a port of its own, speaks to the vehicles, and arms
+    them."""
     with bind() as onlooker:
         vehicles = start_vehicles(scenario(armed=False), "--speed", 10, ground_port=onlooker.getsockname()[1])
         port = vehicles.rows[0]["port"]

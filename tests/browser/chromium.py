@@ -40,7 +40,9 @@ def open_page(browser):
         page.set_default_timeout(PATIENCE_MS)
         own = urlsplit(address).netloc
         page.on("pageerror", lambda error: faults.append(f"error: {error}"))
-        page.on("request", lambda request: urlsplit(request.url).netloc in ("", own) or faults.append(f"asks {request.url}"))
+        page.on(
+            "request", lambda request: urlsplit(request.url).netloc in ("", own) or faults.append(f"asks {request.url}")
+        )
         page.goto(address)
         return page
 
@@ -56,7 +58,8 @@ def address_in(text):
 
 
 def until(page, expression):
-    """Waits until something holds on a page. The page forbids what Playwright's own wait_for_function would do: eval."""
+    """Waits until something holds on a page. The page forbids what Playwright's own wait_for_function would do:
+    eval."""
     deadline = time.monotonic() + PATIENCE_MS / 1000
     while not page.evaluate(expression):
         assert time.monotonic() < deadline, f"never: {expression}"

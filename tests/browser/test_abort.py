@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from chromium import address_in, browser, open_page  # noqa: F401: fixtures
+from chromium import address_in, browser, open_page  # noqa: F401 (fixtures)
 from conftest import free_port
 from proxy import LossyProxy
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -54,7 +54,11 @@ def ends(message):
 
 @pytest.mark.parametrize("personality", ["generic", "arduplane"])
 def test_an_abort_reaches_all_vehicles_within_a_control_period(
-    open_page, start_fly, start_vehicles, field, personality  # noqa: F811
+    open_page,
+    start_fly,
+    start_vehicles,
+    field,
+    personality,
 ):
     port, scenario = free_port(), field(count=VEHICLES, duration_s=300)
     with Tap(port) as tap:

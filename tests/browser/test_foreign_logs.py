@@ -10,7 +10,7 @@ import struct
 import subprocess
 
 import pytest
-from chromium import address_in, browser, open_page, until  # noqa: F401: fixtures
+from chromium import address_in, browser, open_page, until  # noqa: F401 (fixtures)
 from pymavlink.dialects.v10 import ardupilotmega as mavlink1
 from pymavlink.dialects.v20 import ardupilotmega as mavlink2
 
@@ -49,7 +49,8 @@ def heartbeat(kind=1, autopilot=3, base_mode=217, mode=15):
 def position(at_s, north_m=0.0, lat_lon=HOME):
     lat = lat_lon[0] + round((north_m + 10 * at_s) / 111_319.5 * 1e7) if lat_lon[0] else 0
     return lambda module: module.MAVLink_global_position_int_message(
-        round(1000 * at_s), lat, lat_lon[1], 550_000, 50_000, 1000, 0, 0, 0)
+        round(1000 * at_s), lat, lat_lon[1], 550_000, 50_000, 1000, 0, 0, 0
+    )
 
 
 def local(at_s, north_m=0.0):
@@ -142,7 +143,7 @@ LOGS = {
 
 
 @pytest.fixture
-def play(program, open_page):  # noqa: F811
+def play(program, open_page):
     viewers = []
 
     def play(path):
@@ -212,8 +213,11 @@ def test_a_file_that_cannot_be_played_is_told_what_it_is(program, tmp_path):
     for second in range(SECONDS):
         ground.put(second, 255, heartbeat(kind=6, autopilot=8), component=190)
     for path, words in {
-        empty: "it has no records of MAVLink", text: "it has no records of MAVLink", raw: "MAVLink without times",
-        ulog: "is a ULog", without_fix.done(): "GLOBAL_POSITION_INT with a fix",
+        empty: "it has no records of MAVLink",
+        text: "it has no records of MAVLink",
+        raw: "MAVLink without times",
+        ulog: "is a ULog",
+        without_fix.done(): "GLOBAL_POSITION_INT with a fix",
         ground.done(): "no heartbeat of one is in its 30 records",
     }.items():
         done = subprocess.run([program, "view", path], capture_output=True, text=True, timeout=30)

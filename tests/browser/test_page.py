@@ -4,7 +4,7 @@ import json
 import signal
 import subprocess
 
-from chromium import address_in, browser, open_page, until  # noqa: F401: fixtures
+from chromium import address_in, browser, open_page, until  # noqa: F401 (fixtures)
 from conftest import free_port
 from ground import GUIDED, LOITER, RTL
 from plans import FENCE, Uploader, item
@@ -113,7 +113,7 @@ def test_both_painters_put_each_vehicle_where_the_camera_says(open_page, start_v
         assert webgl["all"] < 1500 and canvas["all"] < 1500, "and nothing else has its colour"
 
 
-def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, start_fly, start_vehicles, field):  # noqa: F811
+def test_the_operator_aborts_in_two_steps_and_it_is_in_the_record(open_page, start_fly, start_vehicles, field):
     port, scenario = free_port(), field(count=2, duration_s=300)
     vehicles = start_vehicles(scenario, "--speed", 3, ground_port=port)
     controller = start_fly(scenario, "--speed", 3, "--link", f"udpin:127.0.0.1:{port}", "--view")
@@ -159,7 +159,18 @@ def told_of_drop(page):
 
 
 def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page, program, tmp_path):
-    words = [program, "run", "--speed", "1", "--view", "--no-report", "--out", tmp_path / "run", "--vehicle-port", str(free_port())]
+    words = [
+        program,
+        "run",
+        "--speed",
+        "1",
+        "--view",
+        "--no-report",
+        "--out",
+        tmp_path / "run",
+        "--vehicle-port",
+        str(free_port()),
+    ]
     run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
     try:
         page = open_page(address_in(run.stderr.readline()))
@@ -169,8 +180,8 @@ def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page,
         page.wait_for_selector("#choice h3:has-text('MSLPIO chose at')")
         until(page, "columba.choices.shown()?.at_s > 4")
         assert page.evaluate("columba.stage.follows && columba.stage.camera.shows(columba.stage.placeOf(2))")
-        # Other members of the front can be looked at by the keyboard, and their weights are said; the next choice of the
-        # flight takes no focus away.
+        # Other members of the front can be looked at by the keyboard, and their weights are said; the next choice of
+        # the flight takes no focus away.
         page.focus("#choice")
         focused_s = page.evaluate("columba.choices.shown().at_s")
         until(page, f"columba.choices.shown().at_s > {focused_s} && columba.choices.shown().members.length > 1")
@@ -211,7 +222,10 @@ def test_fences_and_missions_are_in_the_picture(open_page, start_vehicles, scena
         for address in (address_in(vehicles.errors), address_in(viewer.stderr.readline())):
             page = open_page(address)
             wait_for_vehicles(page, 2)
-            until(page, f"{lines.format('fence')}.length === 1 && {lines.format('mission')}.some((way) => way.length === 3)")
+            until(
+                page,
+                f"{lines.format('fence')}.length === 1 && {lines.format('mission')}.some((way) => way.length === 3)",
+            )
             way = page.evaluate(f"{lines.format('mission')}.find((way) => way.length === 3)")
             assert abs(way[2][0] - way[0][0] - 200) < 1 and abs(way[2][2] - 60) < 0.1
             assert len(page.evaluate(lines.format("fence"))[0]) == 4

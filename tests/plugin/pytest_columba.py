@@ -36,7 +36,8 @@ END_PATIENCE_S = 10.0
 def connection(address: str, source_system: int = 255, source_component: int = 190) -> Any:
     """A pymavlink connection to a vehicle's address, which hears that address alone.
 
-    Without this a socket hears whoever sends to its port, such as the vehicles of a test before, which had a client there.
+    Without this a socket hears whoever sends to its port, such as the vehicles of a test before, which had a client
+    there.
     """
     link = mavutil.mavlink_connection(
         f"udpout:{address}", source_system=source_system, source_component=source_component
@@ -151,8 +152,8 @@ def columba_program() -> str:
 
 @pytest.fixture
 def columba_fleet(columba_program: str) -> Iterator[Callable[..., Fleet]]:
-    """Starts vehicles and connects to them, as `columba_vehicles` does, and gives the Fleet: `vehicles`, `rows`, `restart()`,
-    `stop()`, `process`, `errors`."""
+    """Starts vehicles and connects to them, as `columba_vehicles` does, and gives the Fleet: `vehicles`, `rows`,
+    `restart()`, `stop()`, `process`, `errors`."""
     fleets: list[Fleet] = []
 
     def start(count: int | None = 1, *options: object, ground_port: int = 0) -> Fleet:
@@ -174,7 +175,8 @@ def columba_fleet(columba_program: str) -> Iterator[Callable[..., Fleet]]:
 
 @pytest.fixture
 def columba_vehicles(columba_fleet: Callable[..., Fleet]) -> Callable[..., list[Vehicle]]:
-    """Starts vehicles and connects to them: columba_vehicles(3), columba_vehicles(2, "--speed", 5), columba_vehicles(None, "mine.toml").
+    """Starts vehicles and connects to them: columba_vehicles(3), columba_vehicles(2, "--speed", 5),
+    columba_vehicles(None, "mine.toml").
 
     Gives a list of Vehicle. Each call is a process of its own; all of them end after the test.
     """

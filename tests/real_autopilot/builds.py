@@ -79,7 +79,8 @@ class Flock:
             instance = first_instance() + len(self.processes)
             words = [
                 binary, "--model", {"plane": "plane", "copter": "quad"}[vehicle], "--speedup", f"{speedup():g}",
-                f"-I{instance}", "--sysid", first_system + index, "--wipe", "--home", f"{latitude:.7f},{longitude:.7f},{ALTITUDE_M},0",
+                f"-I{instance}", "--sysid", first_system + index, "--wipe",
+                "--home", f"{latitude:.7f},{longitude:.7f},{ALTITUDE_M},0",
             ]  # fmt: skip
             words += [] if tcp else ["--serial0", f"udpclient:127.0.0.1:{port}"]
             words += ["--defaults", ",".join(files)] if files else []

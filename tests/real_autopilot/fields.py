@@ -10,17 +10,32 @@ PAPER = Path(__file__).resolve().parents[2] / "config/paper.toml"
 
 # What differs from the paper for each kind: the scale of lengths, speeds, time constants, and how long it takes. Planes
 # fly by what `columba identify` found of them.
-PLANES = dict(scale=4.0, speed_mps=20.0, speeds=(14.0, 26.0), time_constants=None, period_s=1.0, duration_s=80.0, airframe="plane")
-PX4_PLANES = dict(scale=2.5, speed_mps=13.9, speeds=(11.0, 18.0), time_constants=(2.0, 1.0), period_s=0.5, duration_s=65.0)
+PLANES = dict(
+    scale=4.0, speed_mps=20.0, speeds=(14.0, 26.0), time_constants=None, period_s=1.0, duration_s=80.0, airframe="plane"
+)
+PX4_PLANES = dict(
+    scale=2.5, speed_mps=13.9, speeds=(11.0, 18.0), time_constants=(2.0, 1.0), period_s=0.5, duration_s=65.0
+)
 PAPER_SCALE = dict(scale=1.0, speed_mps=None, speeds=None, time_constants=None, period_s=0.5, duration_s=42.0)
-# As `columba identify` finds a PX4 quad whose drag is that of a real one (SIH_KDV 0.2): 0.44 s and a dead time of 0.3 s.
+# As `columba identify` finds a PX4 quad whose drag is that of a real one (SIH_KDV 0.2): 0.44 s and a dead time of 0.3
+# s.
 PX4_QUADS = PAPER_SCALE | dict(time_constants=(0.5, 0.44), dead_times=(0.3, 0.3))
 # An ArduCopter flies at most 10 m/s (WPNAV_SPEED).
 COPTERS = PAPER_SCALE | dict(speed_mps=8.0, speeds=(3.0, 10.0), duration_s=50.0)
 
 
 def field(
-    count, seed, scale, speed_mps, speeds, time_constants, period_s, duration_s, dead_times=(0.0, 0.0), airframe=None, link=None
+    count,
+    seed,
+    scale,
+    speed_mps,
+    speeds,
+    time_constants,
+    period_s,
+    duration_s,
+    dead_times=(0.0, 0.0),
+    airframe=None,
+    link=None,
 ):
     """The text of a scenario, and its circles (x, y, radius)."""
     paper = tomllib.loads(PAPER.read_text())
@@ -34,7 +49,8 @@ def field(
     lines += [
         "[scenario]", f'name = "real-{seed}"', f"seed = {max(1, seed)}", f"duration_s = {duration_s}",
         f"control_period_s = {period_s}",
-        f"origin = {{ latitude_deg = {LATITUDE_DEG}, longitude_deg = {LONGITUDE_DEG}, altitude_amsl_m = {ALTITUDE_M} }}",
+        f"origin = {{ latitude_deg = {LATITUDE_DEG}, longitude_deg = {LONGITUDE_DEG}, altitude_amsl_m = "
+        f"{ALTITUDE_M} }}",
         "[flock]", f"expected_speed_mps = {speed}", "expected_altitude_m = 50.0",
     ]  # fmt: skip
     if time_constants:
@@ -49,7 +65,8 @@ def field(
     if scale != 1.0:
         lines += [
             "[law]", f"communication_distance_m = {10 * scale}", f"desired_distance_m = {10 * scale}",
-            f"safe_distance_m = {2 * scale}", f"perception_distance_m = {120 * scale}", f"obstacle_margin_m = {1.5 * scale}",
+            f"safe_distance_m = {2 * scale}", f"perception_distance_m = {120 * scale}", f"obstacle_margin_m = "
+            f"{1.5 * scale}",
             "[look_ahead]", f"separation_m = {3 * scale}", f"clearance_m = {scale}", "horizon_s = 6.0",
         ]  # fmt: skip
     for start in paper["vehicle"][:count]:

@@ -24,7 +24,11 @@ class Flight:
         words += [word for link in links for word in ("--link", link)]
         self.lines = []
         self.process = subprocess.Popen(
-            [str(word) for word in words], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+            [str(word) for word in words],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
         )
         self.changed = threading.Condition()
         self.reader = threading.Thread(target=self._read, daemon=True)

@@ -24,7 +24,9 @@ class SecondLink(threading.Thread):
         self.start()
 
     def run(self):
-        self.link = link = mavutil.mavlink_connection(self.address, source_system=200, source_component=self.system, retries=600)
+        self.link = link = mavutil.mavlink_connection(
+            self.address, source_system=200, source_component=self.system, retries=600
+        )
         beat = asked = 0.0
         while self.running:
             now = time.time()
@@ -45,7 +47,14 @@ class SecondLink(threading.Thread):
                 self.modes.append((time.time(), self.mode, self.armed))
             elif message.get_type() == "GLOBAL_POSITION_INT" and abs(message.lat) > 10_000:
                 self.samples.append(
-                    (time.time(), message.time_boot_ms / 1e3, message.lat * 1e-7, message.lon * 1e-7, message.vx / 100, message.vy / 100)
+                    (
+                        time.time(),
+                        message.time_boot_ms / 1e3,
+                        message.lat * 1e-7,
+                        message.lon * 1e-7,
+                        message.vx / 100,
+                        message.vy / 100,
+                    )
                 )
 
     def command(self, number, *params):
@@ -89,7 +98,9 @@ class Track:
                 continue
             u = (when - before[0]) / span
             h = (2 * u**3 - 3 * u**2 + 1, (u**3 - 2 * u**2 + u) * span, 3 * u**2 - 2 * u**3, (u**3 - u**2) * span)
-            places.append(tuple(h[0] * before[k] + h[1] * before[k + 2] + h[2] * after[k] + h[3] * after[k + 2] for k in (1, 2)))
+            places.append(
+                tuple(h[0] * before[k] + h[1] * before[k + 2] + h[2] * after[k] + h[3] * after[k + 2] for k in (1, 2))
+            )
         return places
 
 

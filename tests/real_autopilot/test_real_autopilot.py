@@ -1,4 +1,4 @@
-"""Flies the user's own builds of real autopilots in software, from the ground to the ground; a second link is the judge.
+"""Flies the user's own builds of real autopilots in software, from the ground to the ground; a second link judges.
 
 builds.py names the variables; without a build its tests are skipped, and say so. REAL_SEEDS=1..10 flies each field
 with these seeds (0 is the paper's own), REAL_SPEEDUP=4 at four times the clock.
@@ -40,7 +40,8 @@ def check(flight, flock, circles, safe_distance_m, mode, is_lossy=False):
     print(
         f"FIGURES status {flight.status} separation {told['separation']:.2f} told {separation:.2f} judged, clearance "
         f"{told['clearance']:.2f} told {clearance:.2f} judged, seen {seen:.3f}, lost {summary['link']['lost']}, "
-        f"rates {' '.join(f'{rate:.2f}' for _, rate in sorted(rates.items()))}, modes {[judge.mode for judge in flock.judges]}"
+        f"rates {' '.join(f'{rate:.2f}' for _, rate in sorted(rates.items()))}, "
+        f"modes {[judge.mode for judge in flock.judges]}"
     )
     assert flight.status == 0, flight.said()
     assert summary["success"] and (is_lossy or summary["link"]["lost"] == 0)
@@ -54,7 +55,7 @@ def check(flight, flock, circles, safe_distance_m, mode, is_lossy=False):
 
 
 @pytest.mark.parametrize("seed", seeds())
-def test_five_arduplanes(start_flight, flock, seed):  # noqa: F811
+def test_five_arduplanes(start_flight, flock, seed):
     flock.add_ardupilot("plane", 5, 60.0, free_port())
     text, circles = field(5, seed, **PLANES)
     check(start_flight(text, flock.links), flock, circles, 8.0, "LOITER")
@@ -62,7 +63,7 @@ def test_five_arduplanes(start_flight, flock, seed):  # noqa: F811
 
 @pytest.mark.parametrize("bank_deg", [65, 35])
 @pytest.mark.parametrize("seed", seeds())
-def test_planes_that_decide_twice_a_second(start_flight, flock, seed, bank_deg):  # noqa: F811
+def test_planes_that_decide_twice_a_second(start_flight, flock, seed, bank_deg):
     """With their own limit of bank and with a narrow one: the station takes it from the vehicles."""
     flock.add_ardupilot("plane", 5, 60.0, free_port(), parameters=[("ROLL_LIMIT_DEG", bank_deg)])
     text, circles = field(5, seed, **PLANES | dict(period_s=0.5))
@@ -70,7 +71,7 @@ def test_planes_that_decide_twice_a_second(start_flight, flock, seed, bank_deg):
 
 
 @pytest.mark.parametrize("seed", seeds())
-def test_planes_over_a_bad_link(start_flight, flock, seed):  # noqa: F811
+def test_planes_over_a_bad_link(start_flight, flock, seed):
     """A tenth is lost and all else comes 150 to 250 ms late, both ways."""
     flock.add_ardupilot("plane", 5, 60.0, free_port())
     link = dict(loss=0.1, delay_ms=150 / speedup(), jitter_ms=100 / speedup())
@@ -79,27 +80,27 @@ def test_planes_over_a_bad_link(start_flight, flock, seed):  # noqa: F811
 
 
 @pytest.mark.parametrize("seed", seeds())
-def test_three_arducopters(start_flight, flock, seed):  # noqa: F811
+def test_three_arducopters(start_flight, flock, seed):
     flock.add_ardupilot("copter", 3, 20.0, free_port())
     text, circles = field(3, seed, **COPTERS)
     check(start_flight(text, flock.links), flock, circles, 2.0, "BRAKE")
 
 
 @pytest.mark.parametrize("seed", seeds())
-def test_five_px4_quads(start_flight, flock, seed):  # noqa: F811
+def test_five_px4_quads(start_flight, flock, seed):
     flock.add_px4("quad", 5, 20.0)
     text, circles = field(5, seed, **PX4_QUADS)
     check(start_flight(text, flock.links), flock, circles, 2.0, "LOITER")
 
 
 @pytest.mark.parametrize("seed", seeds())
-def test_three_px4_planes(start_flight, flock, seed):  # noqa: F811
+def test_three_px4_planes(start_flight, flock, seed):
     flock.add_px4("plane", 3, 60.0)
     text, circles = field(3, seed, **PX4_PLANES)
     check(start_flight(text, flock.links), flock, circles, 5.0, "LOITER")
 
 
-def test_homes_300_m_apart_are_told_so(start_flight, flock):  # noqa: F811
+def test_homes_300_m_apart_are_told_so(start_flight, flock):
     flock.add_ardupilot("plane", 2, 300.0, free_port())
     text, _ = field(2, 1, **PLANES)
     flight = start_flight(text, flock.links, "--dry-run").end()

@@ -10,7 +10,7 @@ from flight import flock, start_flight  # noqa: F401
 LOITER, GUIDED = "LOITER", "GUIDED"
 
 
-def test_everything_that_can_go_wrong_in_one_flight(start_flight, flock):  # noqa: F811
+def test_everything_that_can_go_wrong_in_one_flight(start_flight, flock):
     """The controller is killed and started again; then limits change, a pilot takes one, one is gone; then Ctrl-C."""
     flock.add_ardupilot("plane", 4, 60.0, free_port())
     text, _ = field(4, 1, **PLANES)
@@ -41,10 +41,12 @@ def test_everything_that_can_go_wrong_in_one_flight(start_flight, flock):  # noq
     assert [vehicle["mode"] for vehicle in flight.summary["station"]["vehicles"]] == [LOITER, LOITER, GUIDED, LOITER]
 
 
-def test_one_that_stays_on_the_ground(start_flight, flock):  # noqa: F811
+def test_one_that_stays_on_the_ground(start_flight, flock):
     port = free_port()
     flock.add_ardupilot("plane", 2, 60.0, port)
-    flock.add_ardupilot("plane", 1, 60.0, port, north_m=-60.0, first_system=3, parameters=[("TKOFF_THR_MAX", 1), ("THR_MAX", 1)])
+    flock.add_ardupilot(
+        "plane", 1, 60.0, port, north_m=-60.0, first_system=3, parameters=[("TKOFF_THR_MAX", 1), ("THR_MAX", 1)]
+    )
     text, _ = field(3, 1, **PLANES)
     flight = start_flight(text, flock.links, "--patience", "60")
     flight.wait_for("did not leave the ground")
@@ -56,7 +58,7 @@ def test_one_that_stays_on_the_ground(start_flight, flock):  # noqa: F811
     assert not flock.judges[2].armed
 
 
-def test_a_speed_outside_the_limits(start_flight, flock):  # noqa: F811
+def test_a_speed_outside_the_limits(start_flight, flock):
     flock.add_ardupilot("plane", 1, 60.0, free_port())
     text, _ = field(1, 1, **PLANES | dict(speed_mps=9.0, speeds=(8.0, 12.0)))
     flight = start_flight(text, flock.links).end()
@@ -64,7 +66,7 @@ def test_a_speed_outside_the_limits(start_flight, flock):  # noqa: F811
     assert not flock.judges[0].armed
 
 
-def test_two_places(start_flight, flock):  # noqa: F811
+def test_two_places(start_flight, flock):
     port = free_port()
     flock.add_ardupilot("plane", 1, 60.0, port)
     flock.add_ardupilot("plane", 1, 60.0, port, north_m=60_000.0, first_system=2)

@@ -29,7 +29,7 @@ course_deg = 0.0
 
 
 @pytest.mark.parametrize("name", ROUTERS)
-def test_planes_through_a_router(start_flight, flock, tmp_path, name):  # noqa: F811
+def test_planes_through_a_router(start_flight, flock, tmp_path, name):
     vehicles_port, ground_port = free_port(), free_port()
     with router(name, tmp_path, vehicles_port, ground_port):
         flock.add_ardupilot("plane", 3, 60.0, vehicles_port)
@@ -37,13 +37,13 @@ def test_planes_through_a_router(start_flight, flock, tmp_path, name):  # noqa: 
         check(start_flight(text, [f"udpin:127.0.0.1:{ground_port}"]), flock, circles, 8.0, "LOITER")
 
 
-def test_planes_by_tcp(start_flight, flock):  # noqa: F811
+def test_planes_by_tcp(start_flight, flock):
     flock.add_ardupilot("plane", 2, 60.0, None, tcp=True)
     text, circles = field(2, 1, **SHORT)
     check(start_flight(text, flock.links), flock, circles, 8.0, "LOITER")
 
 
-def test_planes_beside_vehicles_of_columba(start_flight, start_vehicles, flock, tmp_path):  # noqa: F811
+def test_planes_beside_vehicles_of_columba(start_flight, start_vehicles, flock, tmp_path):
     port = free_port()
     flock.add_ardupilot("plane", 3, 60.0, port)
     for system, y_m in ((4, -30.0), (5, 30.0)):

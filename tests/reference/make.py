@@ -1,11 +1,13 @@
-"""Makes nsga2-pymoo.csv and mopso-pymoo.csv: how good other people's optimisers are on the problems of `columba suites`.
+"""Makes nsga2-pymoo.csv and mopso-pymoo.csv: how good other people's optimisers are on the problems of `columba
+suites`.
 
     python -m venv venv && venv/bin/pip install -r requirements.txt
     venv/bin/python make.py              # all of it, about 40 minutes on one core
     venv/bin/python make.py nsga2        # only one of the two
 
-Every row is one solve by pymoo of pymoo's own problem, judged by pymoo's own indicators, so that nothing of ours is in it but
-the reference points and the rule by which true fronts are sampled (`reference_front`, which is that of `columba suites`).
+Every row is one solve by pymoo of pymoo's own problem, judged by pymoo's own indicators, so that nothing of ours is
+in it but the reference points and the rule by which true fronts are sampled (`reference_front`, which is that of
+`columba suites`).
 """
 
 import csv
@@ -42,7 +44,8 @@ COLUMNS = ["problem", "dimensions", "population", "generations", "seed", "hyperv
 
 
 def nsga2(population):
-    """As Deb et al. 2002 have it: SBX with eta 20 and probability 0.9, polynomial mutation with eta 20 of 1 variable in n."""
+    """As Deb et al. 2002 have it: SBX with eta 20 and probability 0.9, polynomial mutation with eta 20 of 1 variable
+    in n."""
     return NSGA2(pop_size=population, crossover=SBX(prob=0.9, eta=20), mutation=PM(prob=1.0, eta=20))
 
 

@@ -1,8 +1,8 @@
 """Prints the tables of docs/optimisers.md: medians of what `columba suites` wrote, beside those of the CSV files here.
 
-    columba suites --out runs/suites
-    columba suites --dimensions 3 --population 50 --generations 13 --out runs/suites-flight
-    python medians.py runs/suites runs/suites-flight
+columba suites --out runs/suites
+columba suites --dimensions 3 --population 50 --generations 13 --out runs/suites-flight
+python medians.py runs/suites runs/suites-flight
 """
 
 import csv
@@ -39,11 +39,17 @@ def main():
         found, evaluations = solves(folder)
         names = [*OURS, *OUTSIDE]
         for title, (column, best) in INDICATORS.items():
-            print(f"{title}, after {evaluations} evaluations:\n\n| problem | {' | '.join(names)} |\n|---|{'---|' * len(names)}")
+            print(
+                f"{title}, after {evaluations} evaluations:\n\n"
+                f"| problem | {' | '.join(names)} |\n|---|{'---|' * len(names)}"
+            )
             for problem in dict.fromkeys(problem for problem, _ in found):
                 medians = [statistics.median(float(row[column]) for row in found[problem, name]) for name in names]
                 texts = [f"{median:.4f}" for median in medians]
-                marked = [f"**{text}**" if float(text) == float(f"{best(medians):.4f}") and float(text) else text for text in texts]
+                marked = [
+                    f"**{text}**" if float(text) == float(f"{best(medians):.4f}") and float(text) else text
+                    for text in texts
+                ]
                 print(f"| {problem} | {' | '.join(marked)} |")
             print()
 

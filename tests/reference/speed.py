@@ -3,9 +3,9 @@
     cargo build --release
     python speed.py [../../target/release/columba]
 
-ZDT1 with 3 variables, 52 candidates x 20 generations, every solve with a seed of its own. The three take turns, so that what
-else the machine does meets them alike. Ours is the `solve_us` of `columba suites --threads 1`, which is one solve without the
-start of the program; the others are timed around one call, with whatever they set up in it.
+ZDT1 with 3 variables, 52 candidates x 20 generations, every solve with a seed of its own. The three take turns, so
+that what else the machine does meets them alike. Ours is the `solve_us` of `columba suites --threads 1`, which is one
+solve without the start of the program; the others are timed around one call, with whatever they set up in it.
 """
 
 import statistics
@@ -30,7 +30,9 @@ ROUNDS = 7
 def ours(round):
     with tempfile.TemporaryDirectory() as folder:
         seeds = f"{1 + 100 * round}..{100 + 100 * round}"
-        options = "--problems zdt1 --optimizers nsga2 --dimensions 3 --population 52 --generations 20 --threads 1 --quiet"
+        options = (
+            "--problems zdt1 --optimizers nsga2 --dimensions 3 --population 52 --generations 20 --threads 1 --quiet"
+        )
         subprocess.run([PROGRAM, "suites", *options.split(), "--seeds", seeds, "--out", folder], check=True)
         return pyarrow.parquet.read_table(f"{folder}/timings.parquet")["solve_us"].to_pylist()
 

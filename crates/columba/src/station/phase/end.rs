@@ -1,9 +1,9 @@
 //! Last phase: nobody is left alone. On completion, failure and Ctrl-C alike every vehicle is brought into the mode in
 //! which it is to stay, and that it is in it is seen, and told.
 //!
-//! Planes that circle where they are would meet, so each is given a height of its own. At the end of a flight they change
-//! heights first, while the law still steers. An end that somebody wishes comes at once: they circle, and change heights
-//! while they do.
+//! Planes that circle where they are would meet, so each is given a height of its own. At the end of a flight they
+//! change heights first, while the law still steers. An end that somebody wishes comes at once: they circle, and change
+//! heights while they do.
 
 use super::Phase;
 use super::fly::Fly;
