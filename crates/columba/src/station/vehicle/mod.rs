@@ -287,6 +287,7 @@ impl Vehicle {
             Message::ATTITUDE(data) => {
                 if let Some(at_s) = self.flown_at_s(data.time_boot_ms, now) {
                     self.present.hear_heading(at_s, f64::from(data.yaw));
+                    self.track.push_heading(at_s, f64::from(data.yaw));
                 }
             }
             Message::VFR_HUD(data)
@@ -372,9 +373,9 @@ impl Vehicle {
         self.requests.ask(self.target, driver, known, carried, now)
     }
 
-    /// Whether its positions come at about this rate.
+    /// Whether its positions come at about this rate, but for what the link loses.
     pub fn comes_at(&self, position_hz: f64, now_s: f64) -> bool {
-        let rate = self.track.rate_hz(now_s, requests::RATE_WINDOW_S);
+        let rate = self.track.sent_hz(now_s, requests::RATE_WINDOW_S);
         rate.is_some_and(|rate| rate >= requests::RATE_SHARE * position_hz)
     }
 
