@@ -11,7 +11,9 @@ PAPER = Path(__file__).resolve().parents[2] / "config/paper.toml"
 # What differs from the paper for each kind: the scale of lengths, speeds, time constants, and how long it takes. Planes
 # fly by what `columba identify` found of them.
 PLANES = dict(scale=4.0, speed_mps=20.0, speeds=(14.0, 26.0), time_constants=None, period_s=1.0, duration_s=80.0, airframe="plane")
-PX4_PLANES = dict(scale=2.5, speed_mps=13.9, speeds=(11.0, 18.0), time_constants=(2.0, 1.0), period_s=0.5, duration_s=65.0)
+PX4_PLANES = dict(
+    scale=2.5, speed_mps=13.9, speeds=(11.0, 18.0), time_constants=None, period_s=0.5, duration_s=65.0, airframe="px4-plane"
+)
 PAPER_SCALE = dict(scale=1.0, speed_mps=None, speeds=None, time_constants=None, period_s=0.5, duration_s=42.0)
 # As `columba identify` finds a PX4 quad whose drag is that of a real one (SIH_KDV 0.2): 0.44 s and a dead time of 0.3 s.
 PX4_QUADS = PAPER_SCALE | dict(time_constants=(0.5, 0.44), dead_times=(0.3, 0.3))
