@@ -14,7 +14,13 @@ PLANES = dict(
     scale=4.0, speed_mps=20.0, speeds=(14.0, 26.0), time_constants=None, period_s=1.0, duration_s=80.0, airframe="plane"
 )
 PX4_PLANES = dict(
-    scale=2.5, speed_mps=13.9, speeds=(11.0, 18.0), time_constants=(2.0, 1.0), period_s=0.5, duration_s=65.0
+    scale=2.5,
+    speed_mps=13.9,
+    speeds=(11.0, 18.0),
+    time_constants=None,
+    period_s=0.5,
+    duration_s=65.0,
+    airframe="px4-plane",
 )
 PAPER_SCALE = dict(scale=1.0, speed_mps=None, speeds=None, time_constants=None, period_s=0.5, duration_s=42.0)
 # As `columba identify` finds a PX4 quad whose drag is that of a real one (SIH_KDV 0.2): 0.44 s and a dead time of 0.3

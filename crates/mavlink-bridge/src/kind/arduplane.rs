@@ -45,6 +45,11 @@ const TAKEN_OFF_SHARE: f64 = 0.8;
 /// p3 of a course below this makes hardly any turn, m/s2.
 const LATERAL_ACCELERATION_MIN_MPS2: f32 = 0.05;
 
+/// With which a demand of speed approaches a new one, s.
+const DEMAND_TIME_CONSTANT_S: f64 = 4.0;
+/// A demand is never slower than this, m/s2: one that crept would be overtaken by the measured speed.
+const DEMAND_ACCELERATION_MIN_MPS2: f64 = 0.05;
+
 const MODES: [&str; 27] = [
     "MANUAL",
     "CIRCLE",
@@ -106,9 +111,8 @@ pub(super) fn setpoint(
 ) -> Result<Vec<Message>, SetpointError> {
     let Dynamics { limits, response, .. } = situation.dynamics;
     let speed_mps = finite_f32(airspeed_mps(setpoint, situation))?;
-    // A setpoint that jumps makes TECS pitch at once, and the load factor that it takes is missing in a turn. Zero: the
-    // autopilot goes there at once.
-    let acceleration_mps2 = finite_f32(response.acceleration_max_mps2).unwrap_or(0.0);
+    let change_mps = setpoint.speed_mps - situation.state.speed_mps;
+    let acceleration_mps2 = finite_f32(demand_acceleration_mps2(change_mps, response.acceleration_max_mps2))?;
     let altitude_m = flyable_altitude_m(finite_f32(amsl_m(setpoint.altitude_m, situation))?);
     let course_deg = course_deg(setpoint.course_rad)?;
     let lateral_mps2 = finite_f32(limits.lateral_acceleration_max_mps2())?.max(LATERAL_ACCELERATION_MIN_MPS2);
@@ -118,6 +122,17 @@ pub(super) fn setpoint(
         command(MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED, [0.0, speed_mps, acceleration_mps2, 0.0], 0.0),
         command(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE, [0.0; 4], altitude_m),
     ])
+}
+
+/// How fast the autopilot may change its demand of speed, m/s2; zero: at once, where the model has no limit.
+///
+/// TECS opens and closes the throttle, and pitches, with the rate at which its demand changes. Small changes of every
+/// tick at a constant rate, up and down, take the lift of a turn: their rate is as small as they are.
+fn demand_acceleration_mps2(change_mps: f64, acceleration_max_mps2: f64) -> f64 {
+    if acceleration_max_mps2.is_infinite() {
+        return 0.0;
+    }
+    (change_mps.abs() / DEMAND_TIME_CONSTANT_S).max(DEMAND_ACCELERATION_MIN_MPS2).min(acceleration_max_mps2)
 }
 
 pub(super) fn limits(parameters: Parameters<'_>) -> VehicleLimits {

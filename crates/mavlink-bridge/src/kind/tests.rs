@@ -81,7 +81,7 @@ fn arduplane_takes_three_commands() {
 }
 
 #[test]
-fn arduplane_is_told_how_fast_the_model_changes_its_speed() {
+fn arduplane_is_told_to_change_its_speed_as_gently_as_the_change_is_small() {
     let mut dynamics = dynamics();
     dynamics.response.acceleration_max_mps2 = 0.4;
     let frame = LocalFrame::new(ORIGIN);
@@ -94,9 +94,12 @@ fn arduplane_is_told_how_fast_the_model_changes_its_speed() {
         now: Duration::from_secs(3),
     };
     let driver = Driver::new(AutopilotKind::ArduPlane, None);
-    let sent = driver.setpoint(TARGET, &setpoint(20.0, 0.0, 50.0), &situation).unwrap();
-    let speed = int(&sent[1]);
-    assert_eq!((speed.command, speed.param3), (MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED, 0.4));
+    // The model's own limit, a quarter of the change in a second, and the least.
+    for (speed_mps, acceleration_mps2) in [(14.0, 0.4), (18.0, 0.25), (20.0, 0.25), (19.0, 0.05)] {
+        let sent = driver.setpoint(TARGET, &setpoint(speed_mps, 0.0, 50.0), &situation).unwrap();
+        let speed = int(&sent[1]);
+        assert_eq!((speed.command, speed.param3), (MavCmd::MAV_CMD_GUIDED_CHANGE_SPEED, acceleration_mps2));
+    }
 }
 
 #[test]

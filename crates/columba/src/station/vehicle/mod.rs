@@ -1,6 +1,6 @@
 //! One autopilot as the station knows it, a part of it in each file: the ways to it ([routes]), what it has told
-//! ([heard]), where it was ([track]), what it was asked for ([requests]) and told to do ([orders]), and whose it is
-//! ([custody]).
+//! ([heard]), where it was ([track], [velocity]), what it was asked for ([requests]) and told to do ([orders]), and
+//! whose it is ([custody]).
 
 pub mod custody;
 pub mod heard;
@@ -10,6 +10,7 @@ pub mod place;
 pub mod requests;
 pub mod routes;
 pub mod track;
+mod velocity;
 
 use controller::{Estimate, Present};
 use custody::Custody;
@@ -25,6 +26,7 @@ use requests::{Carried, Known, Requests};
 use routes::{Route, Routes};
 use std::time::Duration;
 use track::{Sample, Track};
+use velocity::VelocityOffset;
 
 /// On the ground there is no airspeed, and a sensor tells its noise: below this ground speed none is taken, m/s.
 const AIRSPEED_FROM_MPS: f64 = 3.0;
@@ -44,6 +46,7 @@ pub struct Vehicle {
     clock: VehicleClock,
     /// Where it was.
     track: Track,
+    velocity_offset: VelocityOffset,
     /// Where it is, and will be when a command acts.
     present: Present,
     requests: Requests,
@@ -68,6 +71,7 @@ impl Vehicle {
             routes: Routes::default(),
             clock: VehicleClock::default(),
             track: Track::default(),
+            velocity_offset: VelocityOffset::default(),
             present: Present::new(&Dynamics::default()),
             requests: Requests::default(),
             orders: Orders::default(),
@@ -283,6 +287,7 @@ impl Vehicle {
             Message::ATTITUDE(data) => {
                 if let Some(at_s) = self.flown_at_s(data.time_boot_ms, now) {
                     self.present.hear_heading(at_s, f64::from(data.yaw));
+                    self.track.push_heading(at_s, f64::from(data.yaw));
                 }
             }
             Message::VFR_HUD(data)
@@ -326,7 +331,8 @@ impl Vehicle {
             return;
         }
         let Some(at_s) = self.flown_at_s(data.time_boot_ms, now) else { return };
-        let state = place::state(data, frame);
+        let kind = self.driver().map(Driver::kind);
+        let state = self.velocity_offset.take(kind, 1e-3 * f64::from(data.time_boot_ms), place::state(data, frame));
         self.present.set_command_delay_s(self.clock.command_delay_s().unwrap_or(0.0));
         self.present.hear(at_s, &state);
         self.track.push(Sample { at_s, state });
@@ -367,9 +373,9 @@ impl Vehicle {
         self.requests.ask(self.target, driver, known, carried, now)
     }
 
-    /// Whether its positions come at about this rate.
+    /// Whether its positions come at about this rate, but for what the link loses.
     pub fn comes_at(&self, position_hz: f64, now_s: f64) -> bool {
-        let rate = self.track.rate_hz(now_s, requests::RATE_WINDOW_S);
+        let rate = self.track.sent_hz(now_s, requests::RATE_WINDOW_S);
         rate.is_some_and(|rate| rate >= requests::RATE_SHARE * position_hz)
     }
 
