@@ -205,7 +205,7 @@ impl Default for LookAheadSettings {
             separation_m: 3.0,
             clearance_m: 1.0,
             evasion: true,
-            margin_sigmas: 0.0,
+            margin_sigmas: 1.0,
             neighbours_max: 16,
         }
     }
@@ -284,6 +284,7 @@ impl ControllerSettings {
         settings.weights = WeightSettings { kind: WeightKind::Shared, min: 0.0, ..settings.weights };
         settings.look_ahead.forecast = ForecastKind::Straight;
         settings.look_ahead.evasion = false;
+        settings.look_ahead.margin_sigmas = 0.0;
         settings
     }
 

@@ -38,7 +38,8 @@ pub use dynamics::{Dynamics, Limits, Response, TimeConstants};
 pub use frame::{Geodetic, LocalFrame};
 pub use gusts::Gusts;
 pub use plant::{
-    AltitudeLoopSettings, CourseLoopSettings, Delay, Plant, PlantSettings, SetpointDelay, SpeedLoopSettings,
+    AltitudeLoopSettings, CourseLoopSettings, Delay, PitchSettings, Plant, PlantSettings, SetpointDelay,
+    SpeedLoopSettings,
 };
 pub use range::{Range, RangeError, Ranges};
 pub use state::{Setpoint, State, course_vector};

@@ -99,6 +99,11 @@ pub struct PlantTable {
     altitude_smoothing_s: Option<f64>,
     altitude_frequency_radps: Option<f64>,
     altitude_damping: Option<f64>,
+    pitch_per_acceleration: Option<f64>,
+    pitch_washout_s: Option<f64>,
+    pitch_load_max_mps2: Option<f64>,
+    pitch_frequency_radps: Option<f64>,
+    pitch_damping: Option<f64>,
 }
 
 /// A file of one's own.
@@ -230,7 +235,7 @@ impl AirframeTable {
 
 impl PlantTable {
     fn change(&self, plant: &mut PlantSettings) {
-        let PlantSettings { speed, course, altitude, air_temperature_offset_k } = plant;
+        let PlantSettings { speed, course, altitude, pitch, air_temperature_offset_k } = plant;
         for (value, own) in [
             (air_temperature_offset_k, self.air_temperature_offset_k),
             (&mut speed.dead_time_s, self.speed_loop_dead_time_s),
@@ -257,6 +262,11 @@ impl PlantTable {
             (&mut altitude.smoothing_s, self.altitude_smoothing_s),
             (&mut altitude.frequency_radps, self.altitude_frequency_radps),
             (&mut altitude.damping, self.altitude_damping),
+            (&mut pitch.per_acceleration, self.pitch_per_acceleration),
+            (&mut pitch.washout_s, self.pitch_washout_s),
+            (&mut pitch.load_max_mps2, self.pitch_load_max_mps2),
+            (&mut pitch.frequency_radps, self.pitch_frequency_radps),
+            (&mut pitch.damping, self.pitch_damping),
         ] {
             *value = own.unwrap_or(*value);
         }

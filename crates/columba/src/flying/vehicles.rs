@@ -1,6 +1,7 @@
 //! The simulated vehicles of a scenario.
 
 use crate::config::Scenario;
+use flight_model::{PlantSettings, SpeedLoopSettings};
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{
     Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, PortLayout, VehicleSettings, port_index,
@@ -92,7 +93,20 @@ pub fn led_vehicle_settings(
 ) -> Vec<VehicleSettings> {
     let personality = Personality::ArduPlane;
     let vehicles = vehicle_settings(scenario, ground, clock_epoch_us).into_iter();
-    vehicles.map(|settings| VehicleSettings { personality, ..settings }).collect()
+    let led = |settings: VehicleSettings| {
+        let plant = settings.plant.map(|plant| as_told(plant, settings.dynamics.response.acceleration_max_mps2));
+        VehicleSettings { personality, plant, ..settings }
+    };
+    vehicles.map(led).collect()
+}
+
+/// A plant whose demand of speed moves no faster than the controller reckons with: a real autopilot is told so with each
+/// setpoint, and neither memory nor SET_POSITION_TARGET_LOCAL_NED has a field for it.
+fn as_told(mut plant: PlantSettings, acceleration_max_mps2: f64) -> PlantSettings {
+    let SpeedLoopSettings { acceleration_max_mps2: rise, deceleration_max_mps2: fall, .. } = &mut plant.speed;
+    *rise = rise.min(acceleration_max_mps2);
+    *fall = fall.min(acceleration_max_mps2);
+    plant
 }
 
 /// The clock of a scenario's vehicles and what it shows at time zero, in microseconds since the Unix epoch: `speed`
@@ -121,6 +135,16 @@ pub fn host_settings(scenario: &Scenario, clock: Clock, base_port: u16, link: Li
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flight_model::Airframe;
+
+    #[test]
+    fn a_plant_changes_its_speed_no_faster_than_the_controller_reckons_with() {
+        let of_the_airframe = Airframe::plane().plant.unwrap();
+        let slow = as_told(of_the_airframe, 0.4).speed;
+        assert_eq!((slow.acceleration_max_mps2, slow.deceleration_max_mps2), (0.4, 0.4));
+        let at_once = as_told(of_the_airframe, f64::INFINITY);
+        assert_eq!(at_once, of_the_airframe);
+    }
 
     #[test]
     fn a_socket_on_all_interfaces_is_found_on_loopback() {

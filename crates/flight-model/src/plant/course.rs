@@ -132,8 +132,9 @@ impl CourseLoop {
         self.settings.bank_per_error * error_rad
     }
 
-    /// One step with a bank that is asked for, rad, at a true airspeed in m/s; gives the turn, rad.
-    pub fn step(&mut self, bank_rad: f64, speed_mps: f64, limits: &Limits) -> f64 {
+    /// One step with a bank that is asked for, rad, at a true airspeed in m/s; gives the turn, rad. A nose that goes up
+    /// or down by itself, rad/s, pulls more lift than the bank needs, or takes it.
+    pub fn step(&mut self, bank_rad: f64, pitch_rate_radps: f64, speed_mps: f64, limits: &Limits) -> f64 {
         let settings = &self.settings;
         let limit_rad = libm::atan(limits.lateral_overload_max);
         let wanted_rad = bank_rad.clamp(-limit_rad, limit_rad);
@@ -141,7 +142,8 @@ impl CourseLoop {
         self.bank.stop_at((limit_rad + OVERSHOOT_MAX_RAD).min(BANK_MAX_RAD));
         let bank_rad = self.bank.value;
         let (sin, cos) = libm::sincos(bank_rad);
-        let lift_g = (1.0 + self.lift.step(1.0 / cos - 1.0)).max(0.0);
+        let swing_g = speed_mps * pitch_rate_radps / limits.gravity_mps2;
+        let lift_g = (1.0 + self.lift.step(1.0 / cos - 1.0)).max(0.0) + swing_g;
         let coordinated_mps2 = limits.gravity_mps2 * lift_g * sin;
         let slipped_mps2 = self.slip.step(coordinated_mps2);
         let lateral_mps2 = settings.turn_share_first * coordinated_mps2

@@ -2,7 +2,7 @@
 //! controller flies by.
 //!
 //! Three loops, a file each: speed as a total energy controller holds it, course by banking, altitude by a demand that
-//! moves. All are linear elements behind a dead time and a demand that is limited. The constants of [`plane`] were
+//! moves; and pitch, by which changes of speed swing the lift of a turn. All are linear elements behind a dead time and a demand that is limited. The constants of [`plane`] were
 //! fitted to an ArduPlane 4.7 in simulation, those of [`px4_plane`] to a PX4 1.18 (docs/dynamics.md).
 //!
 //! [`plane`]: PlantSettings::plane
@@ -11,17 +11,20 @@
 mod altitude;
 mod course;
 mod delay;
+mod pitch;
 mod second_order;
 mod speed;
 
 pub use altitude::AltitudeLoopSettings;
 pub use course::CourseLoopSettings;
 pub use delay::{Delay, SetpointDelay};
+pub use pitch::PitchSettings;
 pub use speed::SpeedLoopSettings;
 
 use crate::{Limits, RangeError, Ranges, Setpoint, State, Wind, course_vector, true_airspeed_ratio, wrap_pi};
 use altitude::AltitudeLoop;
 use course::CourseLoop;
+use pitch::Pitch;
 use speed::SpeedLoop;
 
 /// Constants of a plant.
@@ -33,6 +36,8 @@ pub struct PlantSettings {
     pub course: CourseLoopSettings,
     /// How it climbs.
     pub altitude: AltitudeLoopSettings,
+    /// How changes of its speed swing its pitch, and with it the lift that turns it.
+    pub pitch: PitchSettings,
     /// How much warmer the air is than the standard atmosphere, K. It counts for the true airspeed of an equivalent
     /// one.
     pub air_temperature_offset_k: f64,
@@ -70,6 +75,7 @@ pub struct Plant {
     speed: SpeedLoop,
     course: CourseLoop,
     altitude: AltitudeLoop,
+    pitch: Pitch,
 }
 
 /// The loops are integrated at no longer steps than this, s.
@@ -82,6 +88,7 @@ impl PlantSettings {
             speed: SpeedLoopSettings::plane(),
             course: CourseLoopSettings::plane(),
             altitude: AltitudeLoopSettings::plane(),
+            pitch: PitchSettings::plane(),
             air_temperature_offset_k: 18.0,
         }
     }
@@ -92,6 +99,7 @@ impl PlantSettings {
             speed: SpeedLoopSettings::px4_plane(),
             course: CourseLoopSettings::px4_plane(),
             altitude: AltitudeLoopSettings::px4_plane(),
+            pitch: PitchSettings::px4_plane(),
             air_temperature_offset_k: 0.0,
         }
     }
@@ -103,6 +111,7 @@ impl PlantSettings {
         self.speed.check(&mut ranges);
         self.course.check(&mut ranges);
         self.altitude.check(&mut ranges);
+        self.pitch.check(&mut ranges);
         ranges.errors()
     }
 }
@@ -127,6 +136,7 @@ impl Plant {
             speed: SpeedLoop::new(&settings.speed, substep_s),
             course: CourseLoop::new(&settings.course, substep_s),
             altitude: AltitudeLoop::new(&settings.altitude, substep_s),
+            pitch: Pitch::new(&settings.pitch, substep_s),
         };
         plant.begin(start, &Wind::CALM);
         plant
@@ -144,6 +154,7 @@ impl Plant {
         self.speed.begin(equivalent_mps);
         self.course.begin();
         self.altitude.begin(state.altitude_m, state.climb_mps);
+        self.pitch.begin();
     }
 
     /// Other limits from now on.
@@ -179,10 +190,12 @@ impl Plant {
         self.speed.meet(speed_mps / ratio);
         self.altitude.meet(state.altitude_m, state.climb_mps);
         for _ in 0..self.substeps {
+            let before_mps = speed_mps;
             speed_mps = self.speed.step(setpoint.speed_mps, &self.limits) * ratio;
+            let pitch_rate_radps = self.pitch.step((speed_mps - before_mps) / substep_s, speed_mps);
             let error_rad = wrap_pi(setpoint.course_rad - heading_rad);
             let bank_rad = self.held_bank_rad.unwrap_or_else(|| self.course.wanted_bank_rad(error_rad));
-            heading_rad += self.course.step(bank_rad, speed_mps, &self.limits);
+            heading_rad += self.course.step(bank_rad, pitch_rate_radps, speed_mps, &self.limits);
             self.altitude.step(setpoint.altitude_m, &self.limits);
             let after = course_vector(heading_rad) * speed_mps;
             position_m += (velocity + after) * (0.5 * substep_s);

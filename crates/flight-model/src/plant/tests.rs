@@ -108,6 +108,47 @@ fn a_px4_plane_turns_and_climbs_as_a_px4() {
     assert!((track.last().unwrap().speed_mps / ratio - 15.8).abs() < 0.1);
 }
 
+/// How much the turn of a held bank varies while the speed setpoint goes up and down from half second to half second, as
+/// a share of its mean.
+fn turn_varies_by(airframe: &Airframe, jump_mps: f64) -> f64 {
+    let mut state = start(20.0);
+    let mut plant = plant(airframe, STEP_S, &state);
+    plant.hold_bank(Some(40_f64.to_radians()));
+    let mut turns_rad = Vec::new();
+    for step in 0..9_000 {
+        let sign = if step / 50 % 2 == 0 { 1.0 } else { -1.0 };
+        let setpoint = Setpoint { speed_mps: 20.0 + sign * jump_mps, course_rad: 0.0, altitude_m: 100.0 };
+        let next = plant.step(&state, &setpoint, &Wind::CALM);
+        if step >= 6_000 {
+            turns_rad.push(wrap_pi(next.course_rad - state.course_rad));
+        }
+        state = next;
+    }
+    let count = turns_rad.len() as f64;
+    let mean_rad = turns_rad.iter().sum::<f64>() / count;
+    (turns_rad.iter().map(|turn_rad| (turn_rad - mean_rad).powi(2)).sum::<f64>() / count).sqrt() / mean_rad
+}
+
+#[test]
+fn a_speed_that_jumps_swings_the_lift_of_a_turn() {
+    // Load factors of real ArduPlanes were 0.5 to 0.65 g off (rms) where setpoints jumped by chance. A speed that goes up
+    // and down with the period of the pitch's own swing is worse.
+    let plane = Airframe::plane();
+    assert!(turn_varies_by(&plane, 0.0) < 0.01);
+    let jumping = turn_varies_by(&plane, 2.0);
+    assert!((0.5..4.0).contains(&jumping), "{jumping}");
+    // A demand that moves slowly swings it less.
+    let mut slow = plane;
+    let speed = &mut slow.plant.as_mut().unwrap().speed;
+    (speed.acceleration_max_mps2, speed.deceleration_max_mps2) = (0.1, 0.1);
+    let slowly = turn_varies_by(&slow, 2.0);
+    assert!(slowly < 0.5 * jumping, "{slowly} {jumping}");
+    // Where pitch is not coupled, only the speed itself is left.
+    let mut stiff = plane;
+    stiff.plant.as_mut().unwrap().pitch.per_acceleration = 0.0;
+    assert!(turn_varies_by(&stiff, 2.0) < 0.2);
+}
+
 #[test]
 fn a_change_from_outside_is_taken_up() {
     let plane = Airframe::plane();
