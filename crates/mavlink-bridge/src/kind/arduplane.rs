@@ -127,8 +127,9 @@ pub(super) fn setpoint(
 
 /// How fast the autopilot may change its demand of speed, m/s2; zero: at once, where the model has no limit.
 ///
-/// TECS opens and closes the throttle with the rate at which its demand changes, and pitches against what follows. Small
-/// changes of every tick at a constant rate, up and down, take the lift of a turn: their rate is as small as they are.
+/// TECS opens and closes the throttle with the rate at which its demand changes, and pitches against what follows.
+/// Small changes of every tick at a constant rate, up and down, take the lift of a turn: their rate is as small as they
+/// are.
 fn demand_acceleration_mps2(setpoint: &Setpoint, situation: &Situation<'_>, acceleration_max_mps2: f64) -> f64 {
     let Some(demand_mps) = situation.speed_demand_mps.filter(|_| acceleration_max_mps2.is_finite()) else {
         return if acceleration_max_mps2.is_finite() { acceleration_max_mps2 } else { 0.0 };
