@@ -66,6 +66,7 @@ impl Station {
             local_origin_amsl_m: vehicle.heard().local_origin_amsl_m,
             dynamics: vehicle.present().dynamics(),
             airspeed_excess_mps: speed_mps - setpoint.speed_mps,
+            speed_demand_mps: vehicle.orders().speed_demand_mps(now),
             now,
         };
         match vehicle.driver()?.setpoint(vehicle.target(), setpoint, &situation) {

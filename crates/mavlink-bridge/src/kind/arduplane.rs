@@ -47,8 +47,10 @@ const LATERAL_ACCELERATION_MIN_MPS2: f32 = 0.05;
 
 /// With which a demand of speed approaches a new one, s.
 const DEMAND_TIME_CONSTANT_S: f64 = 4.0;
-/// A demand is never slower than this, m/s2: one that crept would be overtaken by the measured speed.
+/// A demand is never slower than this, m/s2.
 const DEMAND_ACCELERATION_MIN_MPS2: f64 = 0.05;
+/// A plane that is further than this from a wanted speed may have another demand than it was told, m/s.
+const DEMAND_KNOWN_WITHIN_MPS: f64 = 0.5;
 
 const MODES: [&str; 27] = [
     "MANUAL",
@@ -111,8 +113,7 @@ pub(super) fn setpoint(
 ) -> Result<Vec<Message>, SetpointError> {
     let Dynamics { limits, response, .. } = situation.dynamics;
     let speed_mps = finite_f32(airspeed_mps(setpoint, situation))?;
-    let change_mps = setpoint.speed_mps - situation.state.speed_mps;
-    let acceleration_mps2 = finite_f32(demand_acceleration_mps2(change_mps, response.acceleration_max_mps2))?;
+    let acceleration_mps2 = finite_f32(demand_acceleration_mps2(setpoint, situation, response.acceleration_max_mps2))?;
     let altitude_m = flyable_altitude_m(finite_f32(amsl_m(setpoint.altitude_m, situation))?);
     let course_deg = course_deg(setpoint.course_rad)?;
     let lateral_mps2 = finite_f32(limits.lateral_acceleration_max_mps2())?.max(LATERAL_ACCELERATION_MIN_MPS2);
@@ -126,13 +127,17 @@ pub(super) fn setpoint(
 
 /// How fast the autopilot may change its demand of speed, m/s2; zero: at once, where the model has no limit.
 ///
-/// TECS opens and closes the throttle, and pitches, with the rate at which its demand changes. Small changes of every
-/// tick at a constant rate, up and down, take the lift of a turn: their rate is as small as they are.
-fn demand_acceleration_mps2(change_mps: f64, acceleration_max_mps2: f64) -> f64 {
-    if acceleration_max_mps2.is_infinite() {
-        return 0.0;
-    }
-    (change_mps.abs() / DEMAND_TIME_CONSTANT_S).max(DEMAND_ACCELERATION_MIN_MPS2).min(acceleration_max_mps2)
+/// TECS opens and closes the throttle with the rate at which its demand changes, and pitches against what follows.
+/// Small changes of every tick at a constant rate, up and down, take the lift of a turn: their rate is as small as they
+/// are.
+fn demand_acceleration_mps2(setpoint: &Setpoint, situation: &Situation<'_>, acceleration_max_mps2: f64) -> f64 {
+    let Some(demand_mps) = situation.speed_demand_mps.filter(|_| acceleration_max_mps2.is_finite()) else {
+        return if acceleration_max_mps2.is_finite() { acceleration_max_mps2 } else { 0.0 };
+    };
+    // In another mode it may have had another demand than it was told.
+    let missing_mps = (setpoint.speed_mps - situation.state.speed_mps).abs() - DEMAND_KNOWN_WITHIN_MPS;
+    let change_mps = (airspeed_mps(setpoint, situation) - demand_mps).abs().max(missing_mps);
+    (change_mps / DEMAND_TIME_CONSTANT_S).max(DEMAND_ACCELERATION_MIN_MPS2).min(acceleration_max_mps2)
 }
 
 pub(super) fn limits(parameters: Parameters<'_>) -> VehicleLimits {

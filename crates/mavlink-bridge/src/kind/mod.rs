@@ -14,8 +14,10 @@ mod columba;
 mod commands;
 mod px4_fixed_wing;
 mod px4_multicopter;
+mod speed_demand;
 
 pub use commands::{arm, command_int, command_long, request_message, set_message_interval};
+pub use speed_demand::SpeedDemand;
 
 use crate::dialect::{MavAutopilot, MavType, Message};
 use crate::setpoint::{finite_f32, local_ned_setpoint};
@@ -190,6 +192,8 @@ pub struct Situation<'a> {
     /// Airspeed as the autopilot counts it, less the speed over ground, m/s: wind along the way and thin air. Slowly
     /// varying.
     pub airspeed_excess_mps: f64,
+    /// The airspeed that the autopilot asks of itself at present, by what it was told, m/s ([`SpeedDemand`]).
+    pub speed_demand_mps: Option<f64>,
     /// Time on the ground's clock.
     pub now: Duration,
 }

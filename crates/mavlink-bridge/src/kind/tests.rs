@@ -32,6 +32,7 @@ fn messages_with(
         local_origin_amsl_m,
         dynamics: &dynamics(),
         airspeed_excess_mps,
+        speed_demand_mps: None,
         now: Duration::from_secs(3),
     };
     driver.setpoint(TARGET, setpoint, &situation)
@@ -91,6 +92,7 @@ fn arduplane_is_told_to_change_its_speed_as_gently_as_the_change_is_small() {
         local_origin_amsl_m: None,
         dynamics: &dynamics,
         airspeed_excess_mps: 0.0,
+        speed_demand_mps: Some(19.0),
         now: Duration::from_secs(3),
     };
     let driver = Driver::new(AutopilotKind::ArduPlane, None);

@@ -2,6 +2,7 @@
 
 use flight_model::{Setpoint, wrap_pi};
 use mavlink_bridge::dialect::{COMMAND_ACK_DATA, MavCmd, Message};
+use mavlink_bridge::kind::SpeedDemand;
 use mavlink_bridge::result_name;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -53,6 +54,7 @@ pub struct Orders {
     unanswered: [Option<Sent>; 3],
     /// How often in a row each command of a setpoint was refused: one that follows the course may refuse every speed.
     refusals: [u32; 3],
+    speed_demand: SpeedDemand,
 }
 
 impl Orders {
@@ -96,6 +98,11 @@ impl Orders {
         self.setpoint.map(|(setpoint, _)| setpoint)
     }
 
+    /// The airspeed that the autopilot asks of itself at present, by what it was told, m/s.
+    pub fn speed_demand_mps(&self, now: Duration) -> Option<f64> {
+        self.speed_demand.at(now)
+    }
+
     /// Whether no setpoint was sent for so long.
     pub fn has_rested(&self, now: Duration, rest: Duration) -> bool {
         self.setpoint.is_none_or(|(_, at)| now.saturating_sub(at) >= rest)
@@ -116,6 +123,7 @@ impl Orders {
     /// Takes note of a setpoint that is sent now; `messages` where the autopilot acknowledges them.
     pub fn sent(&mut self, setpoint: &Setpoint, messages: &[Message], now: Duration) {
         self.setpoint = Some((*setpoint, now));
+        self.speed_demand.tell(messages, now);
         for (unanswered, message) in self.unanswered.iter_mut().zip(messages) {
             *unanswered = command(message).map(|_| Sent::new(message.clone(), now));
         }
