@@ -2,8 +2,9 @@
 //! controller flies by.
 //!
 //! Three loops, a file each: speed as a total energy controller holds it, course by banking, altitude by a demand that
-//! moves; and pitch, by which changes of speed swing the lift of a turn. All are linear elements behind a dead time and a demand that is limited. The constants of [`plane`] were
-//! fitted to an ArduPlane 4.7 in simulation, those of [`px4_plane`] to a PX4 1.18 (docs/dynamics.md).
+//! moves; and pitch, by which changes of speed swing the lift of a turn. All are linear elements behind a dead time and
+//! a demand that is limited. The constants of [`plane`] were fitted to an ArduPlane 4.7 in simulation, those of
+//! [`px4_plane`] to a PX4 1.18 (docs/dynamics.md).
 //!
 //! [`plane`]: PlantSettings::plane
 //! [`px4_plane`]: PlantSettings::px4_plane

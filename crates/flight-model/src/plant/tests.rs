@@ -108,8 +108,8 @@ fn a_px4_plane_turns_and_climbs_as_a_px4() {
     assert!((track.last().unwrap().speed_mps / ratio - 15.8).abs() < 0.1);
 }
 
-/// How much the turn of a held bank varies while the speed setpoint goes up and down from half second to half second, as
-/// a share of its mean.
+/// How much the turn of a held bank varies while the speed setpoint goes up and down every half second, as a share of its
+/// mean.
 fn turn_varies_by(airframe: &Airframe, jump_mps: f64) -> f64 {
     let mut state = start(20.0);
     let mut plant = plant(airframe, STEP_S, &state);
@@ -131,8 +131,8 @@ fn turn_varies_by(airframe: &Airframe, jump_mps: f64) -> f64 {
 
 #[test]
 fn a_speed_that_jumps_swings_the_lift_of_a_turn() {
-    // Load factors of real ArduPlanes were 0.5 to 0.65 g off (rms) where setpoints jumped by chance. A speed that goes up
-    // and down with the period of the pitch's own swing is worse.
+    // Load factors of real ArduPlanes were 0.5 to 0.65 g off (rms) where setpoints jumped by chance. A speed that goes
+    // up and down with the period of the pitch's own swing is worse.
     let plane = Airframe::plane();
     assert!(turn_varies_by(&plane, 0.0) < 0.01);
     let jumping = turn_varies_by(&plane, 2.0);
