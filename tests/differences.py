@@ -5,9 +5,9 @@ steps.
 """
 
 KNOWN = {
-    "TRAINING, ACRO, AUTOTUNE, AVOID_ADSB, LOITER_ALT_QLAND and AUTOLAND are not simulated.": {
-        "modes on the ground": ["mode 3", "mode 4", "mode 8", "mode 14", "mode 25"],
-        "modes in the air": ["mode 3", "mode 4", "mode 8", "mode 14", "mode 25", "mode 26"],
+    "AVOID_ADSB, LOITER_ALT_QLAND and AUTOLAND are not simulated.": {
+        "modes on the ground": ["mode 14", "mode 25"],
+        "modes in the air": ["mode 14", "mode 25", "mode 26"],
     },
     "PROTOCOL_VERSION, CURRENT_MODE, ALTITUDE, ODOMETRY, PING and WIND_COV are answered.": {
         "connection": [

@@ -16,7 +16,7 @@ from sweep import ARDUPILOT, ARM_DISARM, Sweep
 NAN = math.nan
 SET_MODE, SET_HOME = 176, 179
 # Commands that change the mode or arm, or move home: it is taken back.
-THAT_CHANGE = (17, 20, 22, 176, 188, 189, 191, 192, 300, 400)
+THAT_CHANGE = (17, 20, 21, 22, 23, 34, 84, 176, 188, 189, 191, 192, 262, 300, 400)
 FRAMES = (0, 2, 3, 5, 6, 7, 10, 11, 99)
 # By COMMAND_LONG: a command, and the params of each time that it is sent; what is left out is 0.
 GROUND = {
@@ -147,12 +147,31 @@ GROUND = {
         195: [(0,), (NAN, NAN, NAN, NAN, 47.4, 8.5, 500), (0, 1), (0, 0, 0, 0, 2147483648.0, 2147483648.0, 0)],
         197: [(0,), (0, 1)],
         420: [(0, 0), (4, 1), (4, 0), (99, 0), (4, 9)],
-        246: [(0,), (2,), (4,)],
+        246: [(0,), (4,), (0.9,)],
         2600: [(0,), (1,)],
         401: [(0,), (1,)],
         191: [(0,), (1,)],
-        212: [(0,), (0, 1)],
-        185: [(0,), (1,)],
+        212: [(0,), (0, 1), (1,)],
+        185: [(0,), (0.4,)],
+        262: [(0,), (1,), (2,), (3,), (5,), (6,), (8,), (9,), (-1,)],
+        23: [(0,)],
+        93: [(1,)],
+        203: [(0,)],
+        206: [(10,)],
+        214: [(1000,)],
+        500: [(0,)],
+        531: [(0, 1)],
+        1000: [(0,)],
+        2003: [(1,)],
+        3000: [(4,)],
+        42600: [(1,)],
+        2510: [(0,), (1,)],
+        2511: [(0,)],
+        43002: [(0, 90)],
+        519: [(0,), (1,)],
+        520: [(0,), (1,)],
+        521: [(1,)],
+        241: [(76,), (0, 0, 0, 2, 76), (0, 0, 0, 3), (0, 0, 0, 0, 3), (0, 0, 0, 0, 0, 3), (0,)],
     },
 }
 AIR = {
@@ -210,7 +229,62 @@ AIR = {
         42424: [(0,)],
         245: [(0,)],
     },
-    "px4": {},
+    # It begins in Hold.
+    "px4": {
+        176: [
+            (1, 1),
+            (1, 2),
+            (1, 3),
+            (1, 4),
+            (1, 4, 2),
+            (1, 4, 3),
+            (1, 4, 4),
+            (1, 4, 5),
+            (1, 4, 6),
+            (1, 4, 9),
+            (1, 4, 19),
+            (1, 4, 30),
+            (1, 5),
+            (1, 6),
+            (1, 7),
+            (1, 9),
+            (0,),
+            (4,),
+            (64,),
+            (80,),
+            (88,),
+            (1, 4.4, 3),
+        ],
+        262: [(0,), (1,), (2,), (3,), (5,), (6,), (8,), (9,)],
+        22: [(0, 0, 0, NAN, NAN, NAN, NAN), (1, 0, 0, NAN, NAN, NAN, NAN), (0, 0, 0, NAN, NAN, NAN, 0)],
+        21: [(0, 0, 0, NAN, NAN, NAN, NAN)],
+        20: [(0,), (1,)],
+        23: [(0,)],
+        400: [(0,), (1,), (2,)],
+        401: [(0,)],
+        178: [(0, 15), (1, 15), (0, NAN), (0, 1000), (0, -1), (0, 15, 50), (0, 15, -1), (0, 15, 0, 1), (0, -2)],
+        186: [(580,), (NAN,), (580, 3), (580, 0, 1), (1e5,), (580,)],
+        34: [(0,), (60,), (-60,), (60, 5), (60, NAN, 1, NAN, NAN, NAN, NAN), (60, NAN, 9, NAN, NAN, NAN, NAN)],
+        192: [
+            (-1, 0, 0, NAN, NAN, NAN, NAN),
+            (-1, 1, 0, NAN, NAN, NAN, NAN),
+            (15, 1, 0, NAN, NAN, NAN, 580),
+            (-1, 1, -60, NAN, NAN, NAN, 580),
+            (-1, 2, 0, NAN, NAN, NAN, 580),
+            (-1, 1, 0, NAN, 47.4, NAN, 580),
+        ],
+        43002: [(0, 90), (1, 90), (0, 360), (0, NAN)],
+        241: [(1,), (0,)],
+        245: [(0,), (1,), (9,)],
+        246: [(0,), (1,), (2,), (3,)],
+        300: [(0,), (-1,)],
+        189: [(0,)],
+        191: [(0,)],
+        5300: [(0,), (1,)],
+        310: [(0, 1, 0, 0, 1), (0, 1, 0, 0, 0)],
+        42006: [(0,)],
+        511: [(30, 1e5), (30, 0)],
+    },
 }
 # By COMMAND_INT at the vehicle's place, in each of the frames: params 1 to 4, and z by the frame's datum.
 PLACED = {
@@ -287,14 +361,15 @@ class Params(Sweep):
                 self.long(ARM_DISARM, 0, 21196 if is_plane else 0)
                 self.long(SET_MODE, 1, *((0,) if is_plane else (4, 3)))
             else:
-                self.long(SET_MODE, 1, 15)
+                self.long(SET_MODE, 1, *((15,) if is_plane else (4, 3)))
         if command == SET_HOME and is_plane:
             self.long(SET_HOME, 1)
 
 
 def by_answer(found):
-    """Answer -> labels, without what was not answered."""
-    return {answer: [at for at in found if found[at] == answer] for answer in sorted({a for a in found.values() if a})}
+    """Answer -> labels; SILENCE is no answer."""
+    heard = {label: answer or "SILENCE" for label, answer in found.items()}
+    return {answer: [at for at in heard if heard[at] == answer] for answer in sorted(set(heard.values()))}
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ def test_the_older_message_changes_the_mode_too(craft):
     assert craft.link.flightmode == "LOITER"
 
 
-@pytest.mark.parametrize(("mode", "text"), [(4, "Mode ACRO is not simulated"), (99, "No such mode 99")])
+@pytest.mark.parametrize(("mode", "text"), [(14, "Mode AVOID_ADSB is not simulated"), (99, "No such mode 99")])
 def test_an_unknown_mode_is_refused_in_words(craft, mode, text):
     assert craft.set_mode(mode) == FAILED
     assert craft.text().text == text

@@ -21,10 +21,13 @@ FLOOR = 0.97
 
 
 def recorded(personality):
-    """Label -> answer."""
+    """Label -> answer; none for silence."""
     answers = json.loads((FOLDER / f"reference/answers-{personality}.json").read_text())["answers"]
     return {
-        f"{kind} {label}": answer for kind, by in answers.items() for answer, labels in by.items() for label in labels
+        f"{kind} {label}": None if answer == "SILENCE" else answer
+        for kind, by in answers.items()
+        for answer, labels in by.items()
+        for label in labels
     }
 
 

@@ -31,6 +31,12 @@ pub(crate) enum CommandResult {
     Unsupported,
     TemporarilyRejected,
     Cancelled,
+    /// It is obeyed, and its result follows ([`Component::conclude_later`]).
+    ///
+    /// [`Component::conclude_later`]: crate::telemetry::announce::Component::conclude_later
+    InProgress,
+    /// There is no answer at all.
+    Unanswered,
 }
 
 /// Why a command is not obeyed.
@@ -64,6 +70,16 @@ impl CommandError {
 
     pub fn unsupported() -> Self {
         Self { result: CommandResult::Unsupported, reason: None, severity: Severity::Info }
+    }
+
+    /// What takes a while: its result follows.
+    pub fn in_progress() -> Self {
+        Self { result: CommandResult::InProgress, reason: None, severity: Severity::Info }
+    }
+
+    /// What somebody else would take care of, who is not there: nobody answers.
+    pub fn unanswered(reason: impl Into<String>) -> Self {
+        Self::new(CommandResult::Unanswered, reason).quietly()
     }
 
     /// What cannot be done now.

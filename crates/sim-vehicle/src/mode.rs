@@ -12,6 +12,12 @@ pub enum Mode {
     Circle,
     /// As MANUAL.
     Stabilize,
+    /// As MANUAL: what ArduPlane limits there is limited in all of them.
+    Training,
+    /// As MANUAL: a stick sets a bank, not a rate.
+    Acro,
+    /// As FBWA: there is nothing to tune.
+    Autotune,
     /// As MANUAL.
     Fbwa,
     /// The sticks: bank, rate of climb and speed; centred, it holds its altitude.
@@ -72,9 +78,12 @@ impl Mode {
         Mode::Manual,
         Mode::Circle,
         Mode::Stabilize,
+        Mode::Training,
+        Mode::Acro,
         Mode::Fbwa,
         Mode::Fbwb,
         Mode::Cruise,
+        Mode::Autotune,
         Mode::Auto,
         Mode::Rtl,
         Mode::Loiter,
@@ -89,9 +98,12 @@ impl Mode {
             Mode::Manual => 0,
             Mode::Circle => 1,
             Mode::Stabilize => 2,
+            Mode::Training => 3,
+            Mode::Acro => 4,
             Mode::Fbwa => 5,
             Mode::Fbwb => 6,
             Mode::Cruise => 7,
+            Mode::Autotune => 8,
             Mode::Auto | Mode::Land => 10,
             Mode::Rtl => 11,
             Mode::Loiter => 12,
@@ -110,7 +122,12 @@ impl Mode {
 
     /// Whether it follows the sticks.
     pub fn is_manual(self) -> bool {
-        matches!(self, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise)
+        self.idles() || matches!(self, Mode::Fbwb | Mode::Cruise)
+    }
+
+    /// Whether a closed throttle idles: the sticks set a bank, and nothing holds the altitude.
+    pub(crate) fn idles(self) -> bool {
+        matches!(self, Mode::Manual | Mode::Stabilize | Mode::Training | Mode::Acro | Mode::Autotune | Mode::Fbwa)
     }
 
     /// ArduPlane's name of this mode.
@@ -119,6 +136,9 @@ impl Mode {
             Mode::Manual => "MANUAL",
             Mode::Circle => "CIRCLE",
             Mode::Stabilize => "STABILIZE",
+            Mode::Training => "TRAINING",
+            Mode::Acro => "ACRO",
+            Mode::Autotune => "AUTOTUNE",
             Mode::Fbwa => "FBWA",
             Mode::Fbwb => "FBWB",
             Mode::Cruise => "CRUISE",

@@ -400,5 +400,6 @@ impl Vehicle {
     fn step_to(&mut self, time: Duration, track: &mut Vec<State>) {
         self.component.autopilot.step(time, track);
         self.component.tell_events();
+        self.component.follow_command();
     }
 }

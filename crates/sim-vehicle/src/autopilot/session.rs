@@ -27,6 +27,8 @@ pub(crate) struct Session {
     pub calibration: Option<Calibration>,
     /// Of an ArduPlane, the pose in which the accelerometer is to be held next to be calibrated, from 0.
     pub accelerometer_pose: Option<usize>,
+    /// Of an ArduPlane, whether its compasses are being calibrated: nobody turns the vehicle, so that it does not end.
+    pub compasses_are_calibrated: bool,
     /// What stood against arming when that was last looked at.
     pub arming_reason: Option<String>,
     /// Whether somebody has set home: then arming leaves it.

@@ -16,7 +16,7 @@ use mavlink_bridge::{CommandPosition, PlanItem};
 /// What the autopilot makes of a command, if it is not ArduPlane's answer.
 pub(crate) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Result<(), CommandError>> {
     match autopilot.rules().commands {
-        CommandSet::ArduPlane => arduplane::commands::execute(command, autopilot.flight.is_armed()),
+        CommandSet::ArduPlane => arduplane::commands::execute(autopilot, command),
         CommandSet::Px4 => px4::commands::execute(autopilot, command),
         CommandSet::Generic => generic::commands::execute(autopilot, command),
     }
@@ -24,9 +24,13 @@ pub(crate) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Re
 
 /// The answer to a command for a device that is not there; none if it is not for one, or the autopilot knows no such
 /// command.
-pub(crate) fn for_device(autopilot: &Autopilot, command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
+pub(crate) fn for_device(
+    autopilot: &mut Autopilot,
+    command: u16,
+    params: [f32; 4],
+) -> Option<Result<(), CommandError>> {
     match autopilot.rules().commands {
-        CommandSet::ArduPlane => arduplane::devices::answer(command, params, autopilot.flight.is_armed()),
+        CommandSet::ArduPlane => arduplane::devices::execute(autopilot, command, params),
         CommandSet::Px4 => px4::preflight::answer_by_number(command),
         CommandSet::Generic => None,
     }
@@ -84,7 +88,8 @@ pub(crate) fn storage(rules: &Rules, is_armed: bool, command: &Command) -> Resul
         _ if is_armed => Err(CommandError::rejected("Storage: it is armed")),
         0 | 1 | 3 => Ok(Storage::Kept),
         2 | 4 => Ok(Storage::Reset),
-        _ => Err(CommandError::new(CommandResult::Unsupported, "Storage: param 1 must be 0 to 4")),
+        // A PX4 says nothing to what it does not know.
+        _ => Err(CommandError::unanswered("Storage: param 1 must be 0 to 4")),
     }
 }
 

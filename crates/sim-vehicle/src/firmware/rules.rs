@@ -168,6 +168,8 @@ pub(crate) struct Rules {
     pub has_parameter_hash: bool,
     /// Streams that come unasked beyond those of all.
     pub more_streams: &'static [(Stream, RateOf)],
+    /// Whether who speaks MAVLink 1 is answered in it; otherwise in MAVLink 2, as everybody.
+    pub answers_in_mavlink_1: bool,
     /// What comes unasked on a link of the autopilot's own simulator, Hz; none: what the settings say.
     pub link_rates: fn(LinkUse) -> Option<StreamRates>,
 }

@@ -168,8 +168,9 @@ impl Links {
 
     /// Notes that a peer has spoken at host time `now`. Gives its link, and whether it is a new one.
     ///
-    /// A peer that speaks MAVLink 1 is answered in it, until it says something in MAVLink 2.
+    /// A peer that speaks MAVLink 1 is answered in it, until it says something in MAVLink 2; but not by a PX4.
     pub fn hear(&mut self, peer: PeerId, version: Version, now: Duration, time: Duration) -> (usize, bool) {
+        let version = if self.settings.personality.rules().answers_in_mavlink_1 { version } else { Version::V2 };
         if let Some(index) = self.of_peer(peer) {
             let link = &mut self.links[index];
             link.heard = now;

@@ -4,7 +4,8 @@
 //!
 //! - a name and a value in each line, separated by spaces, tabs, a comma or `=` (ArduPilot, MAVProxy, Mission Planner);
 //!   a third word `@READONLY` makes the parameter read-only, `@include FILE` reads another file, relative to this one;
-//! - five columns: system id, component id, name, value, type (QGroundControl).
+//! - five columns: system id, component id, name, value, type (QGroundControl);
+//! - `param set NAME VALUE`, also `set-default` and with `-s`: commands of PX4's shell.
 //!
 //! A `#` begins a comment. The last value of a name counts.
 
@@ -239,6 +240,11 @@ fn parse(path: &Path, text: &str, depth: usize, entries: &mut Vec<ParameterEntry
         let words: Vec<&str> = content.split([' ', '\t', ',', '=', '\r']).filter(|word| !word.is_empty()).collect();
         let entry = match words[..] {
             [] => continue,
+            ["param", "set" | "set-default", name, value] | ["param", "set" | "set-default", "-s", name, value] => {
+                entry(name, value, &place)
+            }
+            // No parameter has so long a name: ArduPilot passes them over.
+            [name, value] if is_too_long(name) && value.parse::<f64>().is_ok() => continue,
             // Those of a camera or a gimbal are not the autopilot's.
             [system, component, ..]
                 if words.len() == 5 && is_number(system) && component != "1" && is_number(component) =>
@@ -272,6 +278,11 @@ fn entry(name: &str, value: &str, place: &Place) -> Option<ParameterEntry> {
         is_whole: parsed.fract() == 0.0 && !value.contains(['.', 'e', 'E']) || value.starts_with("0x"),
         place: Some(place.clone()),
     })
+}
+
+/// Whether a word could be a name, but for its length.
+fn is_too_long(name: &str) -> bool {
+    name.len() > PARAMETER_NAME_MAX && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
 }
 
 /// Bit masks are written so.
@@ -320,6 +331,16 @@ mod tests {
 
     fn values(entries: &[ParameterEntry]) -> Vec<(&str, f64)> {
         entries.iter().map(|entry| (&entry.name[..], entry.value)).collect()
+    }
+
+    #[test]
+    fn commands_of_px4s_shell_are_read_and_names_that_are_too_long_are_passed_over() {
+        let text = "# an airframe\nparam set-default ASPD_DO_CHECKS 19\nparam set -s FW_R_LIM 40.5\n\
+                    SIM_GPS1_BYTELOSS,0\nTHR_MAX 75\n";
+        let entries = read(text).unwrap();
+        assert_eq!(values(&entries), [("ASPD_DO_CHECKS", 19.0), ("FW_R_LIM", 40.5), ("THR_MAX", 75.0)]);
+        assert!(read("param reset FW_R_LIM\n").is_err());
+        assert!(read("SIM_GPS1_BYTELOSS,none\n").is_err());
     }
 
     #[test]

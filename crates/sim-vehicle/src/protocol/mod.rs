@@ -183,29 +183,33 @@ fn take_setpoint(
 }
 
 fn acknowledge(component: &mut Component, link: usize, number: u16, sender: Target, outcome: Result<(), CommandError>) {
-    let result = conclude(component, outcome);
+    let Some(result) = conclude(component, outcome) else { return };
     component.links().acknowledge(link, number, result, sender);
+    if result == MavResult::MAV_RESULT_IN_PROGRESS {
+        component.conclude_later(link, number, sender);
+    }
 }
 
-/// Counts a command, says aloud why it is refused, and gives its result.
-fn conclude(component: &mut Component, outcome: Result<(), CommandError>) -> MavResult {
+/// Counts a command, says aloud why it is refused, and gives its result; none if it is not answered.
+fn conclude(component: &mut Component, outcome: Result<(), CommandError>) -> Option<MavResult> {
+    let accepted = outcome.as_ref().map_or_else(|error| error.result == CommandResult::InProgress, |()| true);
+    let counters = &mut component.counters;
+    *(if accepted { &mut counters.commands_accepted } else { &mut counters.commands_refused }) += 1;
     match outcome {
-        Ok(()) => {
-            component.counters.commands_accepted += 1;
-            MavResult::MAV_RESULT_ACCEPTED
-        }
+        Ok(()) => Some(MavResult::MAV_RESULT_ACCEPTED),
         Err(error) => {
-            component.counters.commands_refused += 1;
             if let Some(reason) = &error.reason {
                 component.say(error.severity, reason);
             }
-            match error.result {
+            Some(match error.result {
                 CommandResult::Denied => MavResult::MAV_RESULT_DENIED,
                 CommandResult::Failed => MavResult::MAV_RESULT_FAILED,
                 CommandResult::Unsupported => MavResult::MAV_RESULT_UNSUPPORTED,
                 CommandResult::TemporarilyRejected => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
                 CommandResult::Cancelled => MavResult::MAV_RESULT_CANCELLED,
-            }
+                CommandResult::InProgress => MavResult::MAV_RESULT_IN_PROGRESS,
+                CommandResult::Unanswered => return None,
+            })
         }
     }
 }

@@ -8,8 +8,8 @@ use crate::links::{Links, PeerId};
 use crate::settings::VehicleSettings;
 use crate::telemetry::Instruments;
 use crate::telemetry::streams::Stream;
-use mavlink_bridge::Version;
-use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavSeverity, Message};
+use mavlink_bridge::dialect::{MISSION_ITEM_REACHED_DATA, MavResult, MavSeverity, Message};
+use mavlink_bridge::{Target, Version};
 use std::time::Duration;
 
 /// An autopilot and its links: a component, as MAVLink has it.
@@ -27,6 +27,7 @@ pub(crate) struct Component {
     pub asked_for: Vec<(usize, Stream)>,
     /// A reset that has been asked for, and follows.
     pub reset_wanted: Option<Kept>,
+    under_way: Option<UnderWay>,
 }
 
 /// What a reset keeps.
@@ -38,6 +39,21 @@ pub(crate) enum Kept {
     Stored,
 }
 
+/// A command that takes a while.
+#[derive(Debug)]
+struct UnderWay {
+    peer: PeerId,
+    command: u16,
+    sender: Target,
+    began: Duration,
+    /// How often it has been said that it goes on.
+    told: u32,
+}
+
+/// How long a command takes that takes a while, and how often it is said meanwhile that it goes on.
+const UNDER_WAY: Duration = Duration::from_secs(2);
+const TOLD_EVERY: Duration = Duration::from_secs(1);
+
 impl Component {
     pub fn new(settings: VehicleSettings, is_in_lockstep: bool) -> Self {
         Self {
@@ -48,6 +64,7 @@ impl Component {
             host_now: Duration::ZERO,
             asked_for: Vec::new(),
             reset_wanted: None,
+            under_way: None,
         }
     }
 
@@ -107,6 +124,32 @@ impl Component {
         for (link, stream) in std::mem::take(&mut self.asked_for) {
             self.send_stream(link, stream);
         }
+    }
+
+    /// Whether a command that takes a while is under way, after which another one must wait.
+    pub fn is_busy(&self) -> bool {
+        self.under_way.is_some()
+    }
+
+    /// The result of a command follows, once what it has begun is done.
+    pub fn conclude_later(&mut self, link: usize, command: u16, sender: Target) {
+        let (peer, began) = (self.links.peer(link), self.autopilot.time());
+        self.under_way = Some(UnderWay { peer, command, sender, began, told: 0 });
+    }
+
+    /// Says that a command goes on, or that it is done.
+    pub fn follow_command(&mut self) {
+        let Some(mut going) = self.under_way.take() else { return };
+        let passed = self.autopilot.time().saturating_sub(going.began);
+        let is_done = passed >= UNDER_WAY;
+        if is_done || passed >= TOLD_EVERY * (going.told + 1) {
+            let result = if is_done { MavResult::MAV_RESULT_ACCEPTED } else { MavResult::MAV_RESULT_IN_PROGRESS };
+            if let Some(link) = self.links.of_peer(going.peer) {
+                self.links().acknowledge(link, going.command, result, going.sender);
+            }
+            going.told += 1;
+        }
+        self.under_way = (!is_done).then_some(going);
     }
 
     /// Says something to everybody.

@@ -143,7 +143,15 @@ impl Flight {
         self.set_course(now.course_rad, f64::INFINITY);
         let here = now.position_m();
         match mode {
-            Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise | Mode::Offboard => {}
+            Mode::Manual
+            | Mode::Stabilize
+            | Mode::Training
+            | Mode::Acro
+            | Mode::Autotune
+            | Mode::Fbwa
+            | Mode::Fbwb
+            | Mode::Cruise
+            | Mode::Offboard => {}
             Mode::Takeoff => {
                 // From the ground, above the ground. Who is higher already stays there, as in ArduPlane.
                 let base_m = if self.is_on_ground() { now.altitude_m } else { self.home.altitude_m };

@@ -99,7 +99,7 @@ impl Flight {
 
     /// Whether somebody holds the throttle closed in a mode in which it is the pilot's.
     fn is_throttle_closed(&self) -> bool {
-        let is_pilots = matches!(self.mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa) && self.is_flying();
+        let is_pilots = self.mode.idles() && self.is_flying();
         is_pilots && self.hands().is_some_and(|sticks| sticks.close_throttle())
     }
 

@@ -230,12 +230,18 @@ impl Autopilot {
         }
     }
 
+    /// The altitude of an item, m above the origin; without one, which a PX4 takes, that it is at.
+    fn flown_altitude_m(&self, item: &PlanItem) -> f64 {
+        let altitude_m = self.reference().altitude_of(item);
+        if altitude_m.is_nan() { self.flight.estimate().altitude_m } else { altitude_m }
+    }
+
     fn begin_item(&mut self, item: &PlanItem) {
         let seq = self.session.progress.current();
         self.tell_beginning(seq, item);
         let [p1, p2, p3, _] = item.params.map(f64::from);
         let at = self.reference().place_of(item, self.flight.here());
-        let altitude_m = self.reference().altitude_of(item);
+        let altitude_m = self.flown_altitude_m(item);
         if self.stands_before(item) {
             let altitude_m = altitude_m.max(self.flight.home().altitude_m + LEAST_TAKE_OFF_M);
             self.flight.take_off(altitude_m);
@@ -342,7 +348,7 @@ impl Autopilot {
         if self.loiter_rules() != Rules::Px4 || item.command != WAYPOINT {
             return None;
         }
-        let altitude_m = self.reference().altitude_of(item);
+        let altitude_m = self.flown_altitude_m(item);
         let stay = Duration::try_from_secs_f32(item.params[0]).unwrap_or_default();
         let is_there = (self.flight.estimate().altitude_m - altitude_m).abs() <= PX4_ALTITUDE_M && stay.is_zero();
         // One that only climbs there goes on from where it is, one that stays towards what comes next.

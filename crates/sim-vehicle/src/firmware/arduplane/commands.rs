@@ -5,6 +5,7 @@
 #![allow(deprecated)]
 
 use super::devices;
+use crate::autopilot::Autopilot;
 use crate::autopilot::input::ALTITUDE_MAX_M;
 use crate::error::CommandError;
 use crate::protocol::command::request::Command;
@@ -12,7 +13,7 @@ use mavlink_bridge::dialect::{MavCmd, MavFrame};
 use mavlink_bridge::{AltitudeDatum, CommandPosition};
 
 /// The answer; none if it is that of every vehicle.
-pub(in crate::firmware) fn execute(command: &Command, is_armed: bool) -> Option<Result<(), CommandError>> {
+pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command) -> Option<Result<(), CommandError>> {
     let is_int = matches!(command.position, CommandPosition::Int(_));
     match command.command {
         // A COMMAND_LONG becomes one in the frame that is asked for. Only a quadplane takes off.
@@ -24,7 +25,7 @@ pub(in crate::firmware) fn execute(command: &Command, is_armed: bool) -> Option<
         MavCmd::MAV_CMD_DO_SET_ROI | MavCmd::MAV_CMD_DO_SET_ROI_LOCATION => Some(look_at(command)),
         // The answer of one that the dialect does not know any more.
         MavCmd::MAV_CMD_REQUEST_PROTOCOL_VERSION if command.params[0] != 1.0 => Some(Err(CommandError::unsupported())),
-        _ => devices::answer(command.command as u32 as u16, command.params, is_armed),
+        _ => devices::execute(autopilot, command.command as u32 as u16, command.params),
     }
 }
 

@@ -3,6 +3,7 @@
 //!
 //! By number, as ArduPilot's own dialect has commands that the common one does not name.
 
+use crate::autopilot::Autopilot;
 use crate::autopilot::input::integer;
 use crate::error::{CommandError, CommandResult};
 
@@ -97,8 +98,31 @@ impl Asks {
 /// The calibration of a compass, which is not begun while it is armed.
 const START_COMPASS_CALIBRATION: u16 = 42_424;
 
+const ACCEPT_COMPASS_CALIBRATION: u16 = 42_425;
+const CANCEL_COMPASS_CALIBRATION: u16 = 42_426;
+
+/// The answer to a command for a device that is not there, and what is remembered of it; none if the command is not for
+/// one.
+pub(crate) fn execute(autopilot: &mut Autopilot, command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
+    let answer = answer(command, params, autopilot.flight.is_armed())?;
+    Some(answer.and_then(|()| calibrate_compasses(&mut autopilot.session.compasses_are_calibrated, command)))
+}
+
+/// A calibration that is accepted before it has measured fails, and is over.
+fn calibrate_compasses(is_under_way: &mut bool, command: u16) -> Result<(), CommandError> {
+    match command {
+        START_COMPASS_CALIBRATION => *is_under_way = true,
+        CANCEL_COMPASS_CALIBRATION => *is_under_way = false,
+        ACCEPT_COMPASS_CALIBRATION if std::mem::take(is_under_way) => {
+            return Err(CommandError::failed("Compass calibration: nothing is measured"));
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
 /// The answer to a command for a device that is not there; none if the command is not for one.
-pub(crate) fn answer(command: u16, params: [f32; 4], is_armed: bool) -> Option<Result<(), CommandError>> {
+fn answer(command: u16, params: [f32; 4], is_armed: bool) -> Option<Result<(), CommandError>> {
     if command == START_COMPASS_CALIBRATION && is_armed {
         return Some(Err(CommandError::failed("Disarm to allow compass calibration")));
     }

@@ -79,6 +79,7 @@ pub(super) const RULES: Rules = Rules {
     has_parameter_hash: false,
     // Of the sticks it tells unasked.
     more_streams: &[(Stream::RcChannels, |rates| &mut rates.sys_status_hz)],
+    answers_in_mavlink_1: true,
     link_rates: |_| None,
 };
 
@@ -97,7 +98,7 @@ pub(super) fn base_mode(mode: Mode, armed: bool) -> MavModeFlag {
     let mut flags = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
         | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
         | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
-    if !matches!(mode, Mode::Manual | Mode::Stabilize | Mode::Fbwa | Mode::Fbwb | Mode::Cruise) {
+    if !mode.is_manual() {
         flags |= MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED;
     }
     flags.set(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, armed);

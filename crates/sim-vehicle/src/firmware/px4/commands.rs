@@ -39,7 +39,10 @@ pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command)
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => arm_or_disarm(autopilot, p1, p2),
         MavCmd::MAV_CMD_DO_SET_MODE => commanded_mode([p1, p2, p3]).and_then(|mode| change_mode(autopilot, mode)),
         MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH => go_home(autopilot, Mode::Rtl, "Returning to launch"),
-        MavCmd::MAV_CMD_NAV_LAND => go_home(autopilot, Mode::Land, "Landing at current position"),
+        // Of precision landings what is left without a beacon.
+        MavCmd::MAV_CMD_NAV_LAND | MavCmd::MAV_CMD_NAV_LAND_LOCAL => {
+            go_home(autopilot, Mode::Land, "Landing at current position")
+        }
         MavCmd::MAV_CMD_NAV_TAKEOFF => take_off(autopilot, command),
         MavCmd::MAV_CMD_MISSION_START => start_mission(autopilot, p1),
         MavCmd::MAV_CMD_DO_REPOSITION => reposition(autopilot, command),
@@ -54,6 +57,7 @@ pub(in crate::firmware) fn execute(autopilot: &mut Autopilot, command: &Command)
             Ok(())
         }
         MavCmd::MAV_CMD_DO_SET_HOME => set_home(autopilot, command),
+        MavCmd::MAV_CMD_EXTERNAL_POSITION_ESTIMATE => estimate_position(command),
         // They are all vehicles' own.
         MavCmd::MAV_CMD_DO_SET_STANDARD_MODE
         | MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL
@@ -84,8 +88,8 @@ fn arm_or_disarm(autopilot: &mut Autopilot, p1: f32, p2: f32) -> Result<(), Comm
             Ok(())
         }
         _ => {
-            let reason = format!("Unsupported ARM_DISARM param: {p1:.3}");
-            Err(CommandError::new(CommandResult::Unsupported, reason))
+            // Its commander answers what it does not know, but not a param of what it does.
+            Err(CommandError::unanswered(format!("Unsupported ARM_DISARM param: {p1:.3}")))
         }
     }
 }
@@ -287,8 +291,21 @@ fn change_speed(autopilot: &mut Autopilot, speed_mps: f32) -> Result<(), Command
     Ok(())
 }
 
+/// In a local frame the x and y of a COMMAND_INT are centimetres, and so no place for the estimator.
+fn estimate_position(command: &Command) -> Result<(), CommandError> {
+    const LOCAL: [u8; 8] = [1, 4, 7, 8, 9, 12, 20, 21];
+    if matches!(command.position, CommandPosition::Int(_)) && LOCAL.contains(&command.frame) {
+        return Err(CommandError::failed("Position: it is in a local frame"));
+    }
+    Ok(())
+}
+
 /// Param 1: 0, course over ground. Param 2: degrees.
 fn change_heading(autopilot: &mut Autopilot, kind: f32, course_deg: f32) -> Result<(), CommandError> {
+    // It is its navigator's, who listens once it is armed.
+    if !autopilot.flight.is_armed() {
+        return Err(CommandError::unanswered("Heading: it is disarmed"));
+    }
     if autopilot.mode() != Mode::Course {
         return Err(CommandError::denied(format!("Heading: mode is {}", autopilot.mode_name())));
     }
@@ -358,6 +375,8 @@ pub(in crate::firmware) fn commanded_mode([base_mode, main, sub]: [f32; 3]) -> R
     // AUTO without more is the mission, and the sub mode counts in AUTO alone.
     let (main, sub) = match (integer(main), integer(sub)) {
         (4, 0) => (4, 4),
+        // Without a beacon a precision landing is a landing.
+        (4, 9) => (4, 6),
         (4, sub) => (4, sub),
         (main, _) => (main, 0),
     };

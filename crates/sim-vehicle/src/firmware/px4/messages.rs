@@ -28,7 +28,6 @@ pub(in crate::firmware) fn offer(message_id: u32) -> Offer {
 /// for; a wind is known in the air alone.
 pub(in crate::firmware) fn streams(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {
-        Stream::PositionTargetLocalNed => true,
         Stream::WindCov => autopilot.flight.is_flying(),
         other => has(autopilot, other),
     }
@@ -37,9 +36,7 @@ pub(in crate::firmware) fn streams(autopilot: &Autopilot, stream: Stream) -> boo
 /// Whether a message has content: no place to fly to is told on the ground, and sticks that nobody holds.
 pub(in crate::firmware) fn has(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {
-        Stream::NavControllerOutput | Stream::PositionTargetGlobalInt | Stream::PositionTargetLocalNed => {
-            autopilot.flight.is_flying()
-        }
+        Stream::NavControllerOutput | Stream::PositionTargetGlobalInt => autopilot.flight.is_flying(),
         Stream::RcChannels => autopilot.are_sticks_held(),
         // It has one sensor of each.
         Stream::ScaledImu2 | Stream::ScaledImu3 | Stream::ScaledPressure2 => false,

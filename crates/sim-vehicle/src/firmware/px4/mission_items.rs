@@ -95,6 +95,8 @@ pub(in crate::firmware) fn as_kept(kind: PlanKind, item: &PlanItem, by_integers:
 /// MAV_ROI of param 1: a location or none with a place; none, the next waypoint or a waypoint without.
 fn check_region(mode: f32, has_place: bool) -> Result<(), PlanError> {
     let known: &[i32] = if has_place { &[0, 3] } else { &[0, 1, 2] };
+    // No number is no mode.
+    let mode = if mode.is_nan() { -1.0 } else { mode };
     if known.contains(&(mode as i32)) { Ok(()) } else { Err(PlanError::InvalidParam(1)) }
 }
 
@@ -112,7 +114,8 @@ fn check_numbers(item: &PlanItem, has_place: bool) -> Result<(), PlanError> {
     if is_off(item.longitude_e7, 1_800_000_000) {
         return Err(PlanError::InvalidParam(6));
     }
-    if item.z_m.is_nan() || item.z_m.abs() >= ALTITUDE_MAX_M {
+    // One without an altitude is flown at the one that the vehicle has by then.
+    if item.z_m.abs() >= ALTITUDE_MAX_M {
         return Err(PlanError::InvalidParam(7));
     }
     Ok(())

@@ -101,6 +101,8 @@ pub(super) const RULES: Rules = Rules {
         (Stream::EstimatorStatus, |rates| &mut rates.home_position_hz),
         (Stream::Vibration, |rates| &mut rates.home_position_hz),
     ],
+    // MAV_PROTO_VER is 2 at first.
+    answers_in_mavlink_1: false,
     link_rates: link_rates::of,
     ..arduplane::RULES
 };

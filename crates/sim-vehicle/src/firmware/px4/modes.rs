@@ -4,7 +4,7 @@ use crate::mode::Mode;
 use mavlink_bridge::dialect::MavModeFlag;
 
 /// A mode's main and sub number, and PX4's name of it (`px4_custom_mode.h`, `lib/modes/ui.hpp`).
-pub(super) const MODES: [(Mode, u8, u8, &str); 12] = [
+pub(super) const MODES: [(Mode, u8, u8, &str); 13] = [
     (Mode::Manual, 1, 0, "Manual"),
     (Mode::Fbwb, 2, 0, "Altitude"),
     (Mode::Cruise, 3, 0, "Position"),
@@ -14,13 +14,15 @@ pub(super) const MODES: [(Mode, u8, u8, &str); 12] = [
     (Mode::Rtl, 4, 5, "Return"),
     (Mode::Land, 4, 6, "Land"),
     (Mode::Course, 4, 19, "Guided Course"),
+    // The sticks' rates, which these vehicles fly as a bank.
+    (Mode::Acro, 5, 0, "Acro"),
     (Mode::Offboard, 6, 0, "Offboard"),
     (Mode::Stabilize, 7, 0, "Stabilized"),
     (Mode::Circle, 3, 1, "Orbit"),
 ];
 
 /// The modes that a client can set.
-pub(super) const SELECTABLE: [Mode; 11] = [
+pub(super) const SELECTABLE: [Mode; 12] = [
     Mode::Manual,
     Mode::Fbwb,
     Mode::Cruise,
@@ -30,6 +32,7 @@ pub(super) const SELECTABLE: [Mode; 11] = [
     Mode::Rtl,
     Mode::Land,
     Mode::Course,
+    Mode::Acro,
     Mode::Offboard,
     Mode::Stabilize,
 ];

@@ -22,10 +22,13 @@ fn unsupported(reason: &str) -> CommandError {
 }
 
 /// The answer to a command that the dialect does not know: EXTERNAL_WIND_ESTIMATE is accepted, and the wind is known
-/// better.
+/// better; those for others are not answered.
 pub(in crate::firmware) fn answer_by_number(command: u16) -> Option<Result<(), CommandError>> {
     const EXTERNAL_WIND_ESTIMATE: u16 = 43_004;
-    (command == EXTERNAL_WIND_ESTIMATE).then_some(Ok(()))
+    match command {
+        EXTERNAL_WIND_ESTIMATE => Some(Ok(())),
+        other => OF_OTHERS.contains(&other).then(|| Err(of_others())),
+    }
 }
 
 pub(super) fn execute(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
@@ -42,7 +45,7 @@ pub(super) fn execute(autopilot: &mut Autopilot, command: &Command) -> Result<()
         MavCmd::MAV_CMD_ACTUATOR_TEST => test_actuator(autopilot, command),
         // There are no logs: they cannot be sent now, or are not sent any more.
         MavCmd::MAV_CMD_LOGGING_START if p1.round() == 0.0 => Err(rejected("There are no logs")),
-        MavCmd::MAV_CMD_LOGGING_START => Err(unsupported("Logging: param 1 must be 0")),
+        MavCmd::MAV_CMD_LOGGING_START => Err(CommandError::unanswered("Logging: param 1 must be 0")),
         MavCmd::MAV_CMD_LOGGING_STOP => Ok(()),
         MavCmd::MAV_CMD_DO_FLIGHTTERMINATION => Err(CommandError::denied("There is no flight termination")),
         MavCmd::MAV_CMD_DO_AUTOTUNE_ENABLE => Err(CommandError::denied("There is no autotune")),
@@ -56,13 +59,24 @@ pub(super) fn execute(autopilot: &mut Autopilot, command: &Command) -> Result<()
         | MavCmd::MAV_CMD_DO_SET_ROI_LOCATION
         | MavCmd::MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET
         | MavCmd::MAV_CMD_DO_SET_ROI_NONE
-        | MavCmd::MAV_CMD_DO_SET_ACTUATOR
-        | MavCmd::MAV_CMD_EXTERNAL_POSITION_ESTIMATE => Ok(()),
+        | MavCmd::MAV_CMD_DO_SET_ACTUATOR => Ok(()),
         MavCmd::MAV_CMD_DO_SET_GLOBAL_ORIGIN => Err(CommandError::denied("Origin: it is the scenario's")),
         MavCmd::MAV_CMD_NAV_VTOL_TAKEOFF => Err(unsupported("This is no VTOL")),
         MavCmd::MAV_CMD_DO_FIGURE_EIGHT => Err(unsupported("Figures of eight are not flown")),
+        other if OF_OTHERS.contains(&(other as u32 as u16)) => Err(of_others()),
         _ => Err(CommandError::unsupported()),
     }
+}
+
+/// Commands that its commander leaves to others: gimbals, cameras, actuators, winches. Where they are not there, nobody
+/// answers ("ignore commands that are handled by other parts of the system", `Commander.cpp`).
+const OF_OTHERS: [u16; 27] = [
+    93, 203, 204, 205, 206, 214, 220, 242, 243, 260, 309, 311, 312, 500, 521, 530, 531, 532, 620, 1000, 1001, 2003,
+    3000, 30_001, 30_002, 42_600, 43_006,
+];
+
+fn of_others() -> CommandError {
+    CommandError::unanswered("There is no device for this command")
 }
 
 /// PREFLIGHT_CALIBRATION. Params 1 to 7: the gyroscope; the compass; the barometer; 1 a radio, 2 its trim; 1 the
@@ -127,7 +141,7 @@ fn test_actuator(autopilot: &Autopilot, command: &Command) -> Result<(), Command
     };
     match function {
         1..=12 | 33..=40 | 1000.. => Ok(()),
-        _ => Err(unsupported("Actuator test: param 5 is no motor and no servo")),
+        _ => Err(CommandError::unanswered("Actuator test: param 5 is no motor and no servo")),
     }
 }
 

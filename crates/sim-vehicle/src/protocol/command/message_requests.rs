@@ -99,7 +99,8 @@ pub(crate) fn answer_old_request(
 pub(crate) fn request_message(component: &mut Component, [id, p2]: [f32; 2], link: usize) -> Result<(), CommandError> {
     check_finite("Request", &[id])?;
     let personality = commands(component);
-    let id = if personality == CommandSet::Px4 { message_id(id.round()) } else { message_id(id) };
+    // A PX4 has 16 bits for it.
+    let id = if personality == CommandSet::Px4 { message_id(id.round()) & 0xFFFF } else { message_id(id) };
     if id == MESSAGE_INTERVAL {
         return tell_message_interval(component, p2, link);
     }

@@ -40,7 +40,7 @@ pub(crate) fn execute(component: &mut Component, command: &Command, link: usize)
     match command.command {
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => autopilot.arm_or_disarm([p1, p2]),
         MavCmd::MAV_CMD_RUN_PREARM_CHECKS => autopilot.run_prearm_checks(),
-        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => preflight::calibrate(autopilot, command),
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => preflight::calibrate(component, command),
         MavCmd::MAV_CMD_DO_SET_HOME => set_home::set_home(autopilot, command),
         MavCmd::MAV_CMD_DO_SET_MODE => change_mode(autopilot, p1, p2),
         MavCmd::MAV_CMD_NAV_LOITER_UNLIM => autopilot.try_to_enter(Mode::Loiter),

@@ -5,6 +5,7 @@ use crate::autopilot::input::{check_finite, integer};
 use crate::error::{CommandError, Severity};
 use crate::parameters::table::Parameter;
 use crate::protocol::command::request::Command;
+use crate::telemetry::announce::Component;
 
 /// How the accelerometer is held while it is calibrated, one after the other, in ArduPilot's words.
 const POSES: [&str; 6] = ["level", "on its LEFT side", "on its RIGHT side", "nose DOWN", "nose UP", "on its BACK"];
@@ -15,7 +16,9 @@ const BY_FORCE: i64 = 76;
 /// PREFLIGHT_CALIBRATION. Param 1: 1 for the gyroscopes; param 2: 76 for the compasses as they are; param 3: 1 for the
 /// barometer, whose drift starts anew; param 5: 1 for the accelerometer in six poses, 2 for the trim, 4 for the
 /// accelerometer as it stands, 76 as it is.
-pub(crate) fn calibrate(autopilot: &mut Autopilot, command: &Command) -> Result<(), CommandError> {
+pub(crate) fn calibrate(component: &mut Component, command: &Command) -> Result<(), CommandError> {
+    let is_busy = component.is_busy();
+    let autopilot = &mut component.autopilot;
     if autopilot.flight.is_armed() {
         return Err(CommandError::failed("Disarm to allow calibration"));
     }
@@ -25,9 +28,15 @@ pub(crate) fn calibrate(autopilot: &mut Autopilot, command: &Command) -> Result<
         return Ok(());
     }
     if barometer == 1.0 {
+        autopilot.say(Severity::Info, "Updating barometer calibration");
         autopilot.world.calibrate_barometer();
         autopilot.say(Severity::Info, "Barometer calibration complete");
-        return Ok(());
+        // The airspeed follows, and has one place to remember who has asked.
+        if is_busy {
+            return Err(CommandError::rejected("Calibration: one goes on"));
+        }
+        autopilot.say(Severity::Info, "Airspeed calibration started");
+        return Err(CommandError::in_progress());
     }
     match accelerometer {
         1 => ask_for_pose(autopilot, 0),

@@ -9,7 +9,7 @@ use crate::firmware::rules::CommandSet;
 use crate::mode::Mode;
 use crate::telemetry::announce::Component;
 use crate::telemetry::streams::Stream;
-use mavlink_bridge::dialect::{AVAILABLE_MODES_DATA, MavCmd, MavModeProperty, Message};
+use mavlink_bridge::dialect::{AVAILABLE_MODES_DATA, MavCmd, MavModeProperty, MavStandardMode, Message};
 
 /// DO_SET_STANDARD_MODE, and REQUEST_MESSAGE for AVAILABLE_MODES and CURRENT_MODE.
 pub(crate) fn execute(component: &mut Component, command: &Command, link: usize) -> Option<Result<(), CommandError>> {
@@ -37,6 +37,10 @@ fn set_standard_mode(component: &mut Component, number: f32) -> Result<(), Comma
     let rules = component.autopilot.rules();
     let standard = |mode: &Mode| rules.standard_mode(*mode) as i64;
     let asked = number.round() as i64;
+    // A PX4 enters an orbit by this command, and lists none among its modes.
+    if rules.commands == CommandSet::Px4 && asked == MavStandardMode::MAV_STANDARD_MODE_ORBIT as i64 {
+        return answers::change_mode(&mut component.autopilot, Mode::Circle);
+    }
     match rules.modes.iter().find(|mode| asked != 0 && standard(mode) == asked) {
         Some(&mode) => answers::change_mode(&mut component.autopilot, mode),
         None => Err(CommandError::failed(format!("No standard mode {asked}"))),

@@ -119,6 +119,8 @@ impl ParameterService {
                 component.links().slow_down(link);
                 match usize::try_from(*index).ok().and_then(|i| component.autopilot.parameters.at(i)) {
                     Some(listed) => send(component, link, listed, u16::try_from(*index).ok()),
+                    // A PX4 says nothing.
+                    None if component.autopilot.rules().bytewise_parameters => {}
                     None => {
                         let reason = format!("No parameter of index {index}");
                         let error = MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST;
@@ -214,6 +216,8 @@ impl ParameterService {
             Err(refused) => {
                 let error = match refused {
                     ParameterError::ReadOnly(_) => MavParamError::MAV_PARAM_ERROR_READ_ONLY,
+                    // Those of a PX4 are of two types.
+                    ParameterError::Type(_) if !is_type_of_px4(kind) => MavParamError::MAV_PARAM_ERROR_TYPE_UNSUPPORTED,
                     ParameterError::Type(_) => MavParamError::MAV_PARAM_ERROR_TYPE_MISMATCH,
                     _ => MavParamError::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
                 };
@@ -233,6 +237,10 @@ impl ParameterService {
         }
         Ok(value)
     }
+}
+
+fn is_type_of_px4(kind: u8) -> bool {
+    [MavParamType::MAV_PARAM_TYPE_INT32, MavParamType::MAV_PARAM_TYPE_REAL32].iter().any(|known| *known as u8 == kind)
 }
 
 /// Tells everybody what a parameter is.
