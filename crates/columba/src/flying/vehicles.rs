@@ -100,8 +100,8 @@ pub fn led_vehicle_settings(
     vehicles.map(led).collect()
 }
 
-/// A plant whose demand of speed moves no faster than the controller reckons with: a real autopilot is told so with each
-/// setpoint, and neither memory nor SET_POSITION_TARGET_LOCAL_NED has a field for it.
+/// A plant whose demand of speed moves no faster than the controller reckons with: a real autopilot is told so with
+/// each setpoint, and neither memory nor SET_POSITION_TARGET_LOCAL_NED has a field for it.
 fn as_told(mut plant: PlantSettings, acceleration_max_mps2: f64) -> PlantSettings {
     let SpeedLoopSettings { acceleration_max_mps2: rise, deceleration_max_mps2: fall, .. } = &mut plant.speed;
     *rise = rise.min(acceleration_max_mps2);

@@ -108,8 +108,8 @@ fn a_px4_plane_turns_and_climbs_as_a_px4() {
     assert!((track.last().unwrap().speed_mps / ratio - 15.8).abs() < 0.1);
 }
 
-/// How much the turn of a held bank varies while the speed setpoint goes up and down every half second, as a share of its
-/// mean.
+/// How much the turn of a held bank varies while the speed setpoint goes up and down every half second, as a share of
+/// its mean.
 fn turn_varies_by(airframe: &Airframe, jump_mps: f64) -> f64 {
     let mut state = start(20.0);
     let mut plant = plant(airframe, STEP_S, &state);
