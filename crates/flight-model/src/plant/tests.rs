@@ -126,7 +126,8 @@ fn turn_varies_by(airframe: &Airframe, jump_mps: f64) -> f64 {
     }
     let count = turns_rad.len() as f64;
     let mean_rad = turns_rad.iter().sum::<f64>() / count;
-    (turns_rad.iter().map(|turn_rad| (turn_rad - mean_rad).powi(2)).sum::<f64>() / count).sqrt() / mean_rad
+    let squares = turns_rad.iter().map(|turn_rad| (turn_rad - mean_rad) * (turn_rad - mean_rad));
+    (squares.sum::<f64>() / count).sqrt() / mean_rad
 }
 
 #[test]
