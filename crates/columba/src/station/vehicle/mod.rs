@@ -10,7 +10,7 @@ pub mod place;
 pub mod requests;
 pub mod routes;
 pub mod track;
-mod velocity;
+pub mod velocity;
 
 use controller::{Estimate, Present};
 use custody::Custody;
