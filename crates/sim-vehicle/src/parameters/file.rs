@@ -371,7 +371,7 @@ mod tests {
             values(&good),
             [("RTL_RADIUS", 90.0), ("FS_GCS_ENABL", 1.0), ("LOG_BITMASK", 255.0), ("RC1_MIN", 1000.0)]
         );
-        for bad in ["A", "A b", "A 1 2", "A 1 @READWRITE", "2A 1", "A-B 1", "A_NAME_OF_MORE_THAN_16 1", "1 1 A 1 7"] {
+        for bad in ["A", "A b", "A 1 2", "A 1 @READWRITE", "2A 1", "A-B 1", "A_NAME_OF_MORE_THAN_16 b", "1 1 A 1 7"] {
             let error = read(&format!("B 1\n{bad}")).unwrap_err().to_string();
             assert_eq!(error, format!("x.parm:2: expected NAME VALUE, found {bad:?}"));
         }
