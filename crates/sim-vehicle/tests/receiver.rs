@@ -60,9 +60,9 @@ fn the_mode_switch_changes_the_mode() {
     client.ask(&set_parameter("FLTMODE1", 12.0));
     hold(&mut client, &[(8, 1000)]);
     assert_eq!(client.vehicle.mode(), Mode::Loiter);
-    client.ask(&set_parameter("FLTMODE2", 8.0));
+    client.ask(&set_parameter("FLTMODE2", 14.0));
     let heard = hold(&mut client, &[(8, 1300)]);
-    assert_eq!(texts(&heard), ["Mode AUTOTUNE is not simulated"]);
+    assert_eq!(texts(&heard), ["Mode AVOID_ADSB is not simulated"]);
     assert_eq!(client.vehicle.mode(), Mode::Loiter);
     // Another channel, and none.
     client.ask(&set_parameter("FLTMODE_CH", 5.0));
