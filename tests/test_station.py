@@ -119,7 +119,8 @@ def test_from_the_ground_to_a_loiter(start_fly, start_vehicles, field, personali
     run = start_fly(scenario, "--speed", 5, "--link", f"udpin:127.0.0.1:{port}").end()
     assert run.status == 0, run.errors
     summary = run.summary
-    assert summary["success"] and summary["completed"] and summary["duration_s"] == 15.0
+    # A machine that stalls at the end flies on until it decides again.
+    assert summary["success"] and summary["completed"] and 15.0 <= summary["duration_s"] < 17.0
     assert summary["min_clearance_m"] > 0 and summary["min_separation_m"] > 2
     assert summary["link"]["lost"] == 0
     assert len(told(run, f"is in the air, in {flies}")) == 2
