@@ -372,11 +372,16 @@ def by_answer(found):
     return {answer: [at for at in heard if heard[at] == answer] for answer in sorted(set(heard.values()))}
 
 
+def tell(found, path=None):
+    """Writes answers to a file, or prints them."""
+    text = json.dumps(by_answer(found), indent=1)
+    if path is None:
+        print(text)
+    else:
+        with open(path, "w") as file:
+            file.write(text + "\n")
+
+
 if __name__ == "__main__":
     found = play(mavutil.mavlink_connection(sys.argv[1], source_system=255, source_component=190), sys.argv[2])
-    text = json.dumps(by_answer(found), indent=1)
-    if len(sys.argv) > 3:
-        with open(sys.argv[3], "w") as file:
-            file.write(text + "\n")
-    else:
-        print(text)
+    tell(found, *sys.argv[3:])

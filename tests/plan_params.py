@@ -7,15 +7,14 @@ The vehicle stands on the ground, disarmed, fresh from its start. The labels are
 `reference/plan-params-px4.json`, which a real one gave. `test_params.py` compares.
 """
 
-import json
 import math
 import struct
 import sys
 
-from params import by_answer
+from params import tell
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import all as mavlink
-from sweep import Sweep, item, name
+from sweep import Sweep, item
 
 FLOWN = (
     16, 17, 19, 20, 21, 22, 31, 80, 84, 85, 93, 112, 114, 176, 177, 178, 179, 187, 189, 195, 196, 197, 200, 201, 203,
@@ -127,19 +126,6 @@ class PlanParams(Sweep):
     def at(self, command, north=0, east=0, z=0.0, **fields):
         return item(command, x=self.here[0] + north, y=self.here[1] + east, z=z) | fields
 
-    def upload_all(self, items, plan):
-        self.forget()
-        self.link.mav.mission_count_send(self.system, 1, len(items), plan)
-        while True:
-            said = self.wait(["MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"], 4.0)
-            if said is None or said.get_type() == "MISSION_ACK":
-                return None if said is None else name("MAV_MISSION_RESULT", said.type)
-            at = items[said.seq]
-            self.link.mav.mission_item_int_send(
-                self.system, 1, said.seq, at["frame"], at["command"], 0, 1,
-                at["p1"], at["p2"], at["p3"], at["p4"], at["x"], at["y"], at["z"], plan,
-            )  # fmt: skip
-
     def read(self, param, index):
         self.forget()
         self.link.mav.param_request_read_send(self.system, 1, param.encode(), index)
@@ -168,9 +154,4 @@ class PlanParams(Sweep):
 
 if __name__ == "__main__":
     found = play(mavutil.mavlink_connection(sys.argv[1], source_system=255, source_component=190))
-    text = json.dumps(by_answer(found), indent=1)
-    if len(sys.argv) > 2:
-        with open(sys.argv[2], "w") as file:
-            file.write(text + "\n")
-    else:
-        print(text)
+    tell(found, *sys.argv[2:])

@@ -106,9 +106,12 @@ class Sweep:
 
     def upload(self, only):
         """Uploads a mission of one item, behind home where home is part of it."""
-        items = [only] if self.autopilot == PX4 else [item(WAYPOINT, frame=0, z=50.0), only]
+        return self.upload_all([only] if self.autopilot == PX4 else [item(WAYPOINT, frame=0, z=50.0), only])
+
+    def upload_all(self, items, plan=0):
+        """Uploads a plan of a MAV_MISSION_TYPE, and gives the name of its acknowledgement; none for silence."""
         self.forget()
-        self.link.mav.mission_count_send(self.system, 1, len(items), 0)
+        self.link.mav.mission_count_send(self.system, 1, len(items), plan)
         while True:
             said = self.wait(["MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"], 4.0)
             if said is None or said.get_type() == "MISSION_ACK":
@@ -116,7 +119,7 @@ class Sweep:
             at = items[said.seq]
             self.link.mav.mission_item_int_send(
                 self.system, 1, said.seq, at["frame"], at["command"], 0, 1,
-                at["p1"], at["p2"], at["p3"], at["p4"], at["x"], at["y"], at["z"], 0,
+                at["p1"], at["p2"], at["p3"], at["p4"], at["x"], at["y"], at["z"], plan,
             )  # fmt: skip
 
     def wait(self, types, patience_s, fits=lambda message: True):
