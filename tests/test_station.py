@@ -7,10 +7,9 @@ import time
 import pytest
 import tlog
 from conftest import Run, free_port
-from ground import CRUISE, LOITER, RTL
+from controller import Controller
+from ground import LOITER, RTL
 from pymavlink import mavutil
-
-PATIENCE_S = 150
 
 SCENARIO = """
 [scenario]
@@ -51,40 +50,6 @@ def field(tmp_path):
     return write
 
 
-class Controller:
-    """`columba fly` while it flies."""
-
-    def __init__(self, program, folder, *options):
-        self.folder = folder
-        words = [program, "fly", *options, "--out", folder, "--no-report"]
-        self.process = subprocess.Popen(
-            [str(word) for word in words],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        self.lines = []
-
-    def say(self, line):
-        self.process.stdin.write(line + "\n")
-        self.process.stdin.flush()
-
-    def wait_for(self, text):
-        """Reads what it says until a line holds a text."""
-        for line in self.process.stderr:
-            self.lines.append(line)
-            if text in line:
-                return line
-        raise AssertionError(f"it ended without {text!r}: {''.join(self.lines)}")
-
-    def end(self):
-        _, errors = self.process.communicate(timeout=PATIENCE_S)
-        self.lines.append(errors)
-        run = Run(self.folder, self.process.returncode, "".join(self.lines))
-        return run
-
-
 @pytest.fixture
 def start_fly(program, tmp_path_factory):
     started = []
@@ -96,9 +61,7 @@ def start_fly(program, tmp_path_factory):
 
     yield start
     for controller in started:
-        if controller.process.poll() is None:
-            controller.process.kill()
-            controller.process.communicate()
+        controller.kill()
 
 
 def events(run, weight=None):
@@ -169,31 +132,6 @@ def test_a_dry_run_commands_nobody(start_fly, start_vehicles, field):
     assert ("COMMAND_LONG", 400) not in kinds and ("COMMAND_LONG", 176) not in kinds
 
 
-def test_who_a_pilot_takes_over_is_released_and_named(start_fly, start_vehicles, field):
-    port, scenario = free_port(), field(count=3, duration_s=40)
-    vehicles = start_vehicles(scenario, "--speed", 2, ground_port=port)
-    controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
-    controller.wait_for("the flock flies")
-    pilot = vehicles.connect()[1]
-    pilot.set_mode(CRUISE)
-    line = controller.wait_for("is flown no more")
-    assert "vehicle 2" in line and "CRUISE" in line
-    run = controller.end()
-    assert run.status == 1 and "vehicle 2" in run.errors
-    assert pilot.mode() == CRUISE, "it is left to the pilot"
-    modes = [vehicle["mode"] for vehicle in run.summary["station"]["vehicles"]]
-    assert modes == ["LOITER", "CRUISE", "LOITER"]
-    # No command to it from then on, but questions.
-    released = told(run, "is flown no more")[0]["at_s"]
-    start = None
-    for message in tlog.messages(run.tlog):
-        start = start or message._timestamp
-        if message.get_srcSystem() == 255 and message.get_type() in ("COMMAND_INT", "COMMAND_LONG"):
-            late = (message._timestamp - start) * 2 - released > 1.0
-            if late and message.target_system == 2:
-                assert message.command in (511, 512), message
-
-
 def test_who_is_killed_is_lost_and_the_others_go_on(start_fly, start_vehicles, field, tmp_path):
     port, scenario = free_port(), field(count=2, duration_s=30)
     start_vehicles(field(count=1), "--speed", 2, ground_port=port)
@@ -240,8 +178,7 @@ def test_a_killed_controller_leaves_its_record_and_another_picks_the_flight_up(
     while journal.read_text().count('"tick"') < 5:
         assert time.monotonic() < deadline
         time.sleep(0.05)
-    controller.process.kill()
-    controller.process.communicate()
+    controller.kill()
     recovered = subprocess.run([program, "recover", controller.folder, "--quiet"], capture_output=True, text=True)
     assert recovered.returncode == 0, recovered.stderr
     run = Run(controller.folder, 0)
@@ -346,25 +283,6 @@ def test_the_operator_speaks_by_messages_too(start_fly, start_vehicles, field):
         operator.close()
     run = controller.end()
     assert run.status == 1 and "aborted by the operator" in run.errors
-
-
-def test_a_pilot_who_takes_over_in_a_pause_keeps_the_vehicle(start_fly, start_vehicles, field):
-    port, scenario = free_port(), field(count=2, duration_s=120)
-    vehicles = start_vehicles(scenario, "--speed", 2, ground_port=port)
-    controller = start_fly(scenario, "--speed", 2, "--link", f"udpin:127.0.0.1:{port}")
-    controller.wait_for("the flock flies")
-    controller.say("pause")
-    controller.wait_for("paused by the operator")
-    pilot = vehicles.connect()[1]
-    pilot.set_mode(CRUISE)
-    line = controller.wait_for("is flown no more")
-    assert "vehicle 2" in line and "CRUISE" in line
-    for verb in ("resume", "abort"):
-        controller.say(verb)
-    run = controller.end()
-    assert pilot.mode() == CRUISE, "it is left to the pilot"
-    assert "vehicle 1: was brought" not in run.errors
-    assert [vehicle["mode"] for vehicle in run.summary["station"]["vehicles"]] == ["LOITER", "CRUISE"]
 
 
 def test_a_full_disk_does_not_end_the_flight(start_fly, start_vehicles, field, tmp_path):

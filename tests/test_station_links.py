@@ -244,9 +244,8 @@ def test_signed_links_take_nothing_that_is_unsigned_forged_or_replayed(start_fly
 
 def test_a_key_that_others_may_read_is_refused(start_fly, field, key_file):
     key_file.chmod(0o644)
-    run = start_fly(field(), "--signing-key", key_file).process
-    _, errors = run.communicate(timeout=30)
-    assert run.returncode == 2 and "chmod 600" in errors and KEY.hex() not in errors
+    run = start_fly(field(), "--signing-key", key_file).end()
+    assert run.status == 2 and "chmod 600" in run.errors and KEY.hex() not in run.errors
 
 
 def test_commands_that_go_unsigned_beyond_loopback_are_warned_of(start_fly, field):
