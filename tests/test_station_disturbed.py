@@ -4,6 +4,7 @@ that stalls; a link that loses."""
 import signal
 import threading
 import time
+from collections import Counter
 
 import pytest
 from conftest import free_port
@@ -41,12 +42,14 @@ def test_one_that_is_not_ready_is_named_and_nobody_is_armed(start_fly, start_veh
 
 
 class Stubborn(threading.Thread):
-    """An ArduPlane of a few lines that flies north for ever, east of the field, and refuses some commands."""
+    """An ArduPlane of a few lines that flies north, east of the field, and refuses some commands. What its pilot
+    wishes counts more than some modes that it is ordered into."""
 
-    def __init__(self, port, *refused):
+    def __init__(self, port, *refused, wishes=()):
         super().__init__(daemon=True)
         self.link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=1, source_component=1)
-        self.refused, self.mode, self.running, self.began = refused, GUIDED, True, time.monotonic()
+        self.refused, self.wishes, self.orders = refused, dict(wishes), Counter()
+        self.mode, self.running, self.began = GUIDED, True, time.monotonic()
         self.start()
 
     def run(self):
@@ -75,7 +78,9 @@ class Stubborn(threading.Thread):
             self.link.mav.command_ack_send(message.command, FAILED)
             return
         if message.command == 176:
-            self.mode = int(message.param2)
+            asked = int(message.param2)
+            self.orders[asked] += 1
+            self.mode = self.wishes.get(asked, asked)
         self.link.mav.command_ack_send(message.command, ACCEPTED)
 
     def close(self):

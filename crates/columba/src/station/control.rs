@@ -25,13 +25,18 @@ impl Station {
         }
     }
 
-    /// Gives an order for a purpose, and again while it is not followed; never in a dry run.
+    /// Gives an order for a purpose, and again while it is not followed; never in a dry run. After a stall of the
+    /// machine none is given again before it is heard what became of it: a pilot may have the vehicle.
     pub fn order(&mut self, index: usize, purpose: &'static str, message: Message, now: Duration) {
         if self.settings.dry_run {
             return;
         }
         let Some(vehicle) = self.vehicles.get_mut(index) else { return };
-        if vehicle.orders_mut().give(purpose, &message, now) {
+        if now < self.catching_up_until && vehicle.orders().has_given(purpose, &message) {
+            return;
+        }
+        let heard = vehicle.heard().mode_heard;
+        if vehicle.orders_mut().give(purpose, &message, heard, now) {
             self.send(index, vec![message]);
         }
     }
@@ -128,18 +133,23 @@ impl Station {
         for index in self.crew() {
             let vehicle = &self.vehicles[index];
             let is_entered = vehicle.is_ours() && vehicle.custody().has_entered();
-            let may_hold = may_hold || vehicle.custody().is_paused();
+            let may_hold = may_hold || vehicle.custody().may_hold();
             let is_as_told = vehicle.follows() || (may_hold && vehicle.holds());
             if is_entered && !is_as_told {
-                let mode = vehicle.mode_name();
-                let why = if vehicle.heard().critical { "by a failsafe, it says" } else { "by others" };
-                let text = format!("was brought into {mode} {why}: it is flown no more");
-                self.release(index, text, now);
+                self.release_for_its_mode(index, now);
             } else if is_entered && !vehicle.heard().armed {
                 self.release(index, "was disarmed: it is flown no more".to_owned(), now);
             }
             self.watch_age(index, now);
         }
+    }
+
+    /// Others have brought a vehicle into a mode that is not ours.
+    pub fn release_for_its_mode(&mut self, index: usize, now: Duration) {
+        let vehicle = &self.vehicles[index];
+        let why = if vehicle.heard().critical { "by a failsafe, it says" } else { "by others" };
+        let text = format!("was brought into {} {why}: it is flown no more", vehicle.mode_name());
+        self.release(index, text, now);
     }
 
     fn release(&mut self, index: usize, text: String, now: Duration) {

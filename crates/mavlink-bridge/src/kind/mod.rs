@@ -299,6 +299,14 @@ impl Driver {
         }
     }
 
+    /// Whether it changes into the mode in which it holds by itself when its take-off is over.
+    pub fn holds_after_take_off(&self) -> bool {
+        match self.kind {
+            AutopilotKind::ArduPlane | AutopilotKind::ArduCopter => false,
+            AutopilotKind::Px4Multicopter | AutopilotKind::Px4FixedWing | AutopilotKind::Columba => true,
+        }
+    }
+
     /// How often a setpoint must be sent though it has not changed; none where the autopilot keeps the last one.
     pub fn repeat_every(&self) -> Option<Duration> {
         match self.kind {

@@ -14,6 +14,8 @@ pub struct TakeOff {
     began: Duration,
     gather: Gather,
     flying: Vec<bool>,
+    /// The mode in which each was seen to take off.
+    launch_modes: Vec<Option<u32>>,
 }
 
 impl TakeOff {
@@ -23,7 +25,8 @@ impl TakeOff {
         let mut gather = Gather::new(&scenario.starts, scenario.expected, &scenario.obstacles, &station.limits)
             .with_hovering(hovers);
         gather.hold(true);
-        Self { began: now, gather, flying: vec![false; scenario.starts.len()] }
+        let count = scenario.starts.len();
+        Self { began: now, gather, flying: vec![false; count], launch_modes: vec![None; count] }
     }
 
     pub(super) fn step(mut self, station: &mut Station, now: Duration) -> Phase {
@@ -72,6 +75,12 @@ impl TakeOff {
         let vehicle = &station.vehicles[index];
         let Some(driver) = vehicle.driver().cloned() else { return };
         let (target, seen) = (vehicle.target(), vehicle.seen());
+        // Only a pilot, or a failsafe, ends a take-off in another mode.
+        let is_as_told = vehicle.follows() || (driver.holds_after_take_off() && vehicle.holds());
+        if self.launch_modes[index].is_some_and(|mode| mode != seen.custom_mode) && !is_as_told {
+            station.release_for_its_mode(index, now);
+            return;
+        }
         let height_m = self.height_m(station, index);
         // A PX4 follows only once a stream of setpoints runs; an ArduCopter would break off its take-off for one.
         if seen.armed
@@ -93,7 +102,9 @@ impl TakeOff {
                     station.tell_once(index, &text.clone(), Weight::Note, text, now);
                 }
             }
-            Launch::Wait => {}
+            Launch::Wait => {
+                self.launch_modes[index].get_or_insert(seen.custom_mode);
+            }
             Launch::Flying => {
                 self.flying[index] = true;
                 let vehicle = &mut station.vehicles[index];

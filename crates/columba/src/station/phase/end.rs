@@ -118,6 +118,12 @@ impl End {
             station.tell_once(index, "ended", Weight::Note, "is on the ground: it is told to disarm", now);
             return true;
         }
+        let is_brought_there = |to| driver.end_mode(to) == Some(vehicle.heard().custom_mode);
+        let is_ours = vehicle.follows() || vehicle.holds() || is_brought_there(at_end);
+        if vehicle.custody().has_entered() && !is_ours {
+            station.release_for_its_mode(index, now);
+            return false;
+        }
         let Some(mode) = driver.end_mode(at_end) else {
             let text = format!("flies on in {}, as asked", vehicle.mode_name());
             station.tell_once(index, "ended", Weight::Note, text, now);

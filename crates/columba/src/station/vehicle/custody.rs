@@ -19,6 +19,8 @@ pub struct Custody {
     dropped: Option<AtEnd>,
     /// The operator has paused it alone.
     is_paused: bool,
+    /// The operator has resumed it alone, and it does not follow yet.
+    is_resuming: bool,
 }
 
 impl Custody {
@@ -34,7 +36,12 @@ impl Custody {
 
     /// It is in the mode in which it follows our setpoints.
     pub fn enter(&mut self) {
-        self.has_entered = true;
+        (self.has_entered, self.is_resuming) = (true, false);
+    }
+
+    /// Whether the station is to bring it into the mode in which it follows our setpoints.
+    pub fn is_to_be_brought(&self) -> bool {
+        (!self.has_entered || self.is_resuming) && !self.is_paused
     }
 
     /// It is flown no more, for a reason in words.
@@ -64,7 +71,7 @@ impl Custody {
 
     /// The operator pauses it alone.
     pub fn pause(&mut self) {
-        self.is_paused = true;
+        (self.is_paused, self.is_resuming) = (true, false);
     }
 
     /// Whether the operator has paused it alone.
@@ -72,10 +79,15 @@ impl Custody {
         self.is_paused
     }
 
+    /// Whether it may hold where it is: it was paused alone, and does not follow again yet.
+    pub fn may_hold(&self) -> bool {
+        self.is_paused || self.is_resuming
+    }
+
     /// It is paused no more; whether it was, and is to be brought back into the mode in which it follows.
     pub fn resume(&mut self) -> bool {
         let was_paused = std::mem::take(&mut self.is_paused);
-        self.has_entered &= !was_paused;
+        self.is_resuming |= was_paused;
         was_paused
     }
 
@@ -129,8 +141,12 @@ mod tests {
     fn one_that_was_paused_alone_must_be_brought_back() {
         let mut custody = Custody::default();
         custody.enter();
-        assert!(!custody.resume() && custody.has_entered());
+        assert!(!custody.resume() && !custody.is_to_be_brought() && !custody.may_hold());
         custody.pause();
-        assert!(custody.resume() && !custody.has_entered() && !custody.is_paused());
+        assert!(!custody.is_to_be_brought() && custody.may_hold());
+        assert!(custody.resume() && custody.is_to_be_brought() && custody.may_hold() && !custody.is_paused());
+        assert!(custody.has_entered(), "a pilot who takes it now is seen");
+        custody.enter();
+        assert!(!custody.is_to_be_brought() && !custody.may_hold());
     }
 }

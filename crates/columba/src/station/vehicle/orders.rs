@@ -7,8 +7,13 @@ use mavlink_bridge::result_name;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// An order that is not followed is given again after this.
+/// An order that is not followed is given again after this,
 const ORDER_AGAIN: Duration = Duration::from_millis(1000);
+/// if the vehicle has told its mode so long after the order: what was heard before may be of the past, and a pilot may
+/// have changed the mode since.
+const ORDER_SETTLES: Duration = Duration::from_millis(500);
+/// From a vehicle that tells nothing, nothing newer is to be had: it is given the order again after this.
+const ORDER_AGAIN_UNHEARD: Duration = Duration::from_secs(3);
 /// A setpoint that is the same is sent again after this, where the autopilot does not ask for more.
 const SAME_AGAIN: Duration = Duration::from_secs(1);
 /// A setpoint that differs goes out no sooner than this after the last.
@@ -30,6 +35,12 @@ struct Sent {
 impl Sent {
     fn new(message: Message, at: Duration) -> Self {
         Self { message, at, tries: 1, answer: None }
+    }
+
+    /// When it is due again, by when the vehicle last told its mode.
+    fn again_at(&self, heard: Option<Duration>) -> Duration {
+        let is_heard = heard.is_some_and(|heard| heard >= self.at + ORDER_SETTLES);
+        self.at + if is_heard { ORDER_AGAIN } else { ORDER_AGAIN_UNHEARD }
     }
 }
 
@@ -59,10 +70,10 @@ pub struct Orders {
 
 impl Orders {
     /// Takes note of an order that is to be given for a purpose now; whether it is due. The same order is due again
-    /// while it is not followed.
-    pub fn give(&mut self, purpose: &'static str, message: &Message, now: Duration) -> bool {
+    /// while it is not followed, as far as was heard after it: `heard` is when the vehicle last told its mode.
+    pub fn give(&mut self, purpose: &'static str, message: &Message, heard: Option<Duration>, now: Duration) -> bool {
         match self.given.get_mut(purpose).filter(|sent| sent.message == *message) {
-            Some(sent) if now.saturating_sub(sent.at) < ORDER_AGAIN => false,
+            Some(sent) if now < sent.again_at(heard) => false,
             Some(sent) => {
                 (sent.at, sent.tries) = (now, sent.tries + 1);
                 true
@@ -72,6 +83,11 @@ impl Orders {
                 true
             }
         }
+    }
+
+    /// Whether this is the last order that was given for a purpose.
+    pub fn has_given(&self, purpose: &str, message: &Message) -> bool {
+        self.given.get(purpose).is_some_and(|sent| sent.message == *message)
     }
 
     /// Forgets an order that was followed.
@@ -189,15 +205,32 @@ mod tests {
         let (arm, land) = (order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM), order(MavCmd::MAV_CMD_NAV_LAND));
         let mut orders = Orders::default();
         let at = Duration::from_millis;
-        assert!(orders.give("launch", &arm, at(0)));
-        assert!(!orders.give("launch", &arm, at(900)));
+        let mut give = |orders: &mut Orders, order: &Message, now_ms| {
+            orders.give("launch", order, Some(at(now_ms - now_ms.min(100))), at(now_ms))
+        };
+        assert!(give(&mut orders, &arm, 0));
+        assert!(!give(&mut orders, &arm, 900));
         orders.hear(&answer(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, MavResult::MAV_RESULT_DENIED));
-        assert!(orders.give("launch", &arm, at(1000)));
+        assert!(give(&mut orders, &arm, 1000));
         assert_eq!(orders.answer("launch"), Some("DENIED"));
-        assert!(orders.give("launch", &land, at(1001)), "another order");
+        assert!(give(&mut orders, &land, 1001), "another order");
         assert_eq!(orders.answer("launch"), None);
         orders.forget("launch");
-        assert!(orders.give("launch", &land, at(1002)));
+        assert!(give(&mut orders, &land, 1002));
+    }
+
+    #[test]
+    fn an_order_is_not_given_again_by_what_was_heard_before_it() {
+        let hold = order(MavCmd::MAV_CMD_DO_SET_MODE);
+        let mut orders = Orders::default();
+        let at = Duration::from_millis;
+        assert!(orders.give("hold", &hold, None, at(0)));
+        for (heard, now) in [(None, 2000), (Some(at(0)), 2000), (Some(at(400)), 2900)] {
+            assert!(!orders.give("hold", &hold, heard, at(now)), "a pilot may have changed the mode since");
+        }
+        assert!(orders.give("hold", &hold, Some(at(600)), at(2900)));
+        assert!(!orders.give("hold", &hold, Some(at(600)), at(5800)));
+        assert!(orders.give("hold", &hold, Some(at(600)), at(5900)), "it tells nothing: the order may have been lost");
     }
 
     #[test]

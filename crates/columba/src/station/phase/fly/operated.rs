@@ -97,7 +97,7 @@ impl Pause {
                 station.order(index, "hold", driver.set_mode(vehicle.target(), mode), now);
                 station.vehicles[index].custody_mut().was_told_to_hold(now);
             }
-        } else if vehicle.is_ours() && !vehicle.custody().has_entered() && !is_paused && !vehicle.on_ground() {
+        } else if vehicle.is_ours() && vehicle.custody().is_to_be_brought() && !is_paused && !vehicle.on_ground() {
             if vehicle.follows_for_good() {
                 station.vehicles[index].custody_mut().enter();
             } else {
