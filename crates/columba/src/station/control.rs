@@ -72,6 +72,7 @@ impl Station {
             dynamics: vehicle.present().dynamics(),
             airspeed_excess_mps: speed_mps - setpoint.speed_mps,
             speed_demand_mps: vehicle.orders().speed_demand_mps(now),
+            drift_mps: vehicle.drift_mps(),
             now,
         };
         match vehicle.driver()?.setpoint(vehicle.target(), setpoint, &situation) {

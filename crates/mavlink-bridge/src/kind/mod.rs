@@ -23,6 +23,7 @@ use crate::dialect::{MavAutopilot, MavType, Message};
 use crate::setpoint::{finite_f32, local_ned_setpoint};
 use crate::{SetpointError, Target};
 use flight_model::{Dynamics, Geodetic, LocalFrame, Setpoint, State};
+use nalgebra::Vector2;
 use std::time::Duration;
 
 /// Version of an autopilot's software.
@@ -194,6 +195,8 @@ pub struct Situation<'a> {
     pub airspeed_excess_mps: f64,
     /// The airspeed that the autopilot asks of itself at present, by what it was told, m/s ([`SpeedDemand`]).
     pub speed_demand_mps: Option<f64>,
+    /// With which velocity its position moves, less the velocity that it tells and holds (north, east), m/s.
+    pub drift_mps: Vector2<f64>,
     /// Time on the ground's clock.
     pub now: Duration,
 }
@@ -337,7 +340,7 @@ impl Driver {
         match self.kind {
             AutopilotKind::ArduPlane => arduplane::setpoint(target, setpoint, situation),
             AutopilotKind::ArduCopter => arducopter::setpoint(target, setpoint, situation),
-            AutopilotKind::Px4Multicopter => local_ned(target, setpoint, situation),
+            AutopilotKind::Px4Multicopter => px4_multicopter::setpoint(target, setpoint, situation),
             AutopilotKind::Px4FixedWing => px4_fixed_wing::setpoint(target, setpoint, situation, self.version),
             AutopilotKind::Columba => local_ned(target, setpoint, situation),
         }

@@ -6,8 +6,10 @@
 //! a word.
 
 use super::commands::{arm, set_px4_mode};
-use super::{Launch, Parameters, Seen, VehicleLimits};
-use crate::Target;
+use super::{Launch, Parameters, Seen, Situation, VehicleLimits, local_ned};
+use crate::dialect::Message;
+use crate::{SetpointError, Target};
+use flight_model::{Setpoint, course_vector};
 
 /// HEARTBEAT.custom_mode: main mode in bits 16 to 23, sub mode above (`px4_custom_mode.h`).
 pub(super) const OFFBOARD: u32 = 6 << 16;
@@ -69,6 +71,18 @@ pub(super) fn take_off(target: Target, seen: &Seen) -> Launch {
         (true, true) if seen.custom_mode != TAKEOFF => Launch::Send(set_px4_mode(target, TAKEOFF)),
         (true, _) => Launch::Wait,
     }
+}
+
+/// The velocity that brings the position onto the setpoint's: PX4 holds the velocity that its estimator tells, and its
+/// estimator moves the position beside that for seconds, in and after a turn by up to 0.9 m/s.
+pub(super) fn setpoint(
+    target: Target,
+    setpoint: &Setpoint,
+    situation: &Situation<'_>,
+) -> Result<Vec<Message>, SetpointError> {
+    let held = setpoint.speed_mps * course_vector(setpoint.course_rad) - situation.drift_mps;
+    let (speed_mps, course_rad) = (held.norm(), libm::atan2(held.y, held.x));
+    local_ned(target, &Setpoint { speed_mps, course_rad, ..*setpoint }, situation)
 }
 
 pub(super) fn limits(parameters: Parameters<'_>) -> VehicleLimits {

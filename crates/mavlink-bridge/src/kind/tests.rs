@@ -25,17 +25,22 @@ fn messages_with(
     local_origin_amsl_m: Option<f64>,
     airspeed_excess_mps: f64,
 ) -> Result<Vec<Message>, SetpointError> {
-    let frame = LocalFrame::new(ORIGIN);
-    let situation = Situation {
-        state: State { altitude_m: 48.0, speed_mps: 19.0, ..State::default() },
-        frame: &frame,
-        local_origin_amsl_m,
-        dynamics: &dynamics(),
-        airspeed_excess_mps,
-        speed_demand_mps: None,
-        now: Duration::from_secs(3),
-    };
+    let (frame, dynamics) = (LocalFrame::new(ORIGIN), dynamics());
+    let situation = Situation { local_origin_amsl_m, airspeed_excess_mps, ..situation(&frame, &dynamics) };
     driver.setpoint(TARGET, setpoint, &situation)
+}
+
+fn situation<'a>(frame: &'a LocalFrame, dynamics: &'a Dynamics) -> Situation<'a> {
+    Situation {
+        state: State { altitude_m: 48.0, speed_mps: 19.0, ..State::default() },
+        frame,
+        local_origin_amsl_m: Some(570.0),
+        dynamics,
+        airspeed_excess_mps: 0.0,
+        speed_demand_mps: None,
+        drift_mps: Vector2::zeros(),
+        now: Duration::from_secs(3),
+    }
 }
 
 fn setpoint(speed_mps: f64, course_deg: f64, altitude_m: f64) -> Setpoint {
@@ -86,15 +91,7 @@ fn arduplane_is_told_to_change_its_speed_as_gently_as_the_change_is_small() {
     let mut dynamics = dynamics();
     dynamics.response.acceleration_max_mps2 = 0.4;
     let frame = LocalFrame::new(ORIGIN);
-    let situation = Situation {
-        state: State { altitude_m: 48.0, speed_mps: 19.0, ..State::default() },
-        frame: &frame,
-        local_origin_amsl_m: None,
-        dynamics: &dynamics,
-        airspeed_excess_mps: 0.0,
-        speed_demand_mps: Some(19.0),
-        now: Duration::from_secs(3),
-    };
+    let situation = Situation { speed_demand_mps: Some(19.0), ..situation(&frame, &dynamics) };
     let driver = Driver::new(AutopilotKind::ArduPlane, None);
     // The model's own limit, a quarter of the change in a second, and the least.
     for (speed_mps, acceleration_mps2) in [(14.0, 0.4), (18.0, 0.25), (20.0, 0.25), (19.0, 0.05)] {
@@ -135,6 +132,16 @@ fn px4_multicopters_take_velocity_and_altitude_above_their_own_origin() {
     assert_eq!(data.z, -64.0, "584 + 50 above the sea, the origin at 570");
     assert_eq!((data.target_component, data.vx), (1, 10.0));
     assert_eq!(messages_with(&driver, &setpoint(10.0, 0.0, 50.0), None, 0.0), Err(SetpointError::OriginUnknown));
+}
+
+#[test]
+fn px4_multicopters_are_told_the_velocity_that_brings_their_position_onto_the_course() {
+    let (frame, dynamics) = (LocalFrame::new(ORIGIN), dynamics());
+    let situation = Situation { drift_mps: Vector2::new(-0.3, 0.5), ..situation(&frame, &dynamics) };
+    let driver = Driver::new(AutopilotKind::Px4Multicopter, None);
+    let sent = driver.setpoint(TARGET, &setpoint(10.0, 90.0, 50.0), &situation).unwrap();
+    let data = target(&sent[0]);
+    assert!((data.vx - 0.3).abs() < 1e-6 && (data.vy - 9.5).abs() < 1e-6, "{} {}", data.vx, data.vy);
 }
 
 #[test]

@@ -21,6 +21,7 @@ use mavlink_bridge::Target;
 use mavlink_bridge::dialect::{AUTOPILOT_VERSION_DATA, GLOBAL_POSITION_INT_DATA, MavLandedState, Message};
 use mavlink_bridge::kind::{AtEnd, AutopilotKind, Driver, Seen, SoftwareVersion, UnflyableKind, VehicleLimits};
 use mavlink_bridge::link::VehicleClock;
+use nalgebra::Vector2;
 use orders::{Orders, Refusal};
 use requests::{Carried, Known, Requests};
 use routes::{Route, Routes};
@@ -139,6 +140,11 @@ impl Vehicle {
     /// Where it was.
     pub fn track(&self) -> &Track {
         &self.track
+    }
+
+    /// With which velocity its position moves, less the velocity that it tells and holds (north, east), m/s.
+    pub fn drift_mps(&self) -> Vector2<f64> {
+        self.velocity_offset.drift_mps()
     }
 
     /// Where it is, and will be when a command acts.
@@ -332,7 +338,8 @@ impl Vehicle {
         }
         let Some(at_s) = self.flown_at_s(data.time_boot_ms, now) else { return };
         let kind = self.driver().map(Driver::kind);
-        let state = self.velocity_offset.take(kind, 1e-3 * f64::from(data.time_boot_ms), place::state(data, frame));
+        let (boot_s, clock_drift) = (1e-3 * f64::from(data.time_boot_ms), self.clock.drift().unwrap_or(0.0));
+        let state = self.velocity_offset.take(kind, boot_s, clock_drift, place::state(data, frame));
         self.present.set_command_delay_s(self.clock.command_delay_s().unwrap_or(0.0));
         self.present.hear(at_s, &state);
         self.track.push(Sample { at_s, state });
