@@ -32,11 +32,8 @@ impl Station {
             return;
         }
         let Some(vehicle) = self.vehicles.get_mut(index) else { return };
-        if now < self.catching_up_until && vehicle.orders().has_given(purpose, &message) {
-            return;
-        }
-        let heard = vehicle.heard().mode_heard;
-        if vehicle.orders_mut().give(purpose, &message, heard, now) {
+        let is_catching_up = now < self.catching_up_until && vehicle.orders().has_given(purpose, &message);
+        if !is_catching_up && vehicle.is_due(purpose, &message, now) {
             self.send(index, vec![message]);
         }
     }

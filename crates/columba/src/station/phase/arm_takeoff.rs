@@ -109,7 +109,7 @@ impl TakeOff {
                 self.flying[index] = true;
                 let vehicle = &mut station.vehicles[index];
                 vehicle.custody_mut().enter();
-                vehicle.orders_mut().forget("launch");
+                vehicle.has_followed("launch");
                 let text = format!("is in the air, in {}", vehicle.mode_name());
                 station.tell_once(index, "airborne", Weight::Note, text, now);
             }

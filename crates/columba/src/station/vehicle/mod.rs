@@ -172,9 +172,14 @@ impl Vehicle {
         &self.orders
     }
 
-    /// What it is told.
-    pub fn orders_mut(&mut self) -> &mut Orders {
-        &mut self.orders
+    /// Takes note of an order that is to be given for a purpose now; whether it is due ([`Orders::give`]).
+    pub fn is_due(&mut self, purpose: &'static str, message: &Message, now: Duration) -> bool {
+        self.orders.give(purpose, message, self.heard.mode_heard, now)
+    }
+
+    /// Forgets an order that was followed.
+    pub fn has_followed(&mut self, purpose: &str) {
+        self.orders.forget(purpose);
     }
 
     /// Whose it is.

@@ -205,7 +205,7 @@ mod tests {
         let (arm, land) = (order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM), order(MavCmd::MAV_CMD_NAV_LAND));
         let mut orders = Orders::default();
         let at = Duration::from_millis;
-        let mut give = |orders: &mut Orders, order: &Message, now_ms| {
+        let give = |orders: &mut Orders, order: &Message, now_ms: u64| {
             orders.give("launch", order, Some(at(now_ms - now_ms.min(100))), at(now_ms))
         };
         assert!(give(&mut orders, &arm, 0));
