@@ -59,6 +59,16 @@ def test_a_table_in_a_scenario_which_dynamics_changes(start_vehicles, scenario):
     assert values(craft) == [8, 22, 40, 5, 5, 80]
 
 
+def test_it_cruises_within_limits_that_a_scenario_narrows(start_vehicles, scenario, program):
+    path = scenario()
+    narrow = 'airframe = "plane"\n' + path.read_text() + "\n[dynamics]\nspeed_min_mps = 8\nspeed_max_mps = 12\n"
+    path.write_text(narrow)
+    assert values(start_vehicles(path).connect()[0])[:3] == [8, 12, 12]
+    path.write_text(narrow.replace("[autopilot]\n", "[autopilot]\ncruise_speed_mps = 22\n"))
+    refused = subprocess.run([program, "vehicles", path], capture_output=True, text=True, timeout=30)
+    assert refused.returncode == 2 and "must be a number from 8 to 12" in refused.stderr
+
+
 def test_a_parameter_file_says_which_plane_it_is(start_vehicles, tmp_path):
     path = tmp_path / "jet.parm"
     path.write_text("AIRSPEED_MIN 25\nAIRSPEED_MAX 80\nAIRSPEED_CRUISE 40\nTECS_CLMB_MAX 12\nROLL_LIMIT_DEG 70\n")

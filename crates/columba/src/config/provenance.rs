@@ -78,17 +78,31 @@ impl Provenance {
             airframe: AirframeKey,
             #[serde(default)]
             autopilot: Autopilot,
+            #[serde(default)]
+            dynamics: Speeds,
+        }
+        #[derive(Default, serde::Deserialize)]
+        struct Speeds {
+            speed_min_mps: Option<f64>,
+            speed_max_mps: Option<f64>,
         }
         #[derive(Default, serde::Deserialize)]
         struct Autopilot {
             #[serde(default)]
             personality: Personality,
         }
-        let Keys { airframe, autopilot } = toml_edit::de::from_document(self.merged()).ok()?;
+        let Keys { airframe, autopilot, dynamics } = toml_edit::de::from_document(self.merged()).ok()?;
         if airframe.is_paper() {
             return None;
         }
-        let flown = airframe.resolve(&self.folder("airframe"), autopilot.personality).ok()?;
+        let mut flown = airframe.resolve(&self.folder("airframe"), autopilot.personality).ok()?;
+        // It cruises within limits that a scenario narrows.
+        let limits = flown.dynamics.limits;
+        let slowest_mps = dynamics.speed_min_mps.unwrap_or(limits.speed_min_mps);
+        let fastest_mps = dynamics.speed_max_mps.unwrap_or(limits.speed_max_mps);
+        if slowest_mps <= fastest_mps {
+            flown.cruise_speed_mps = flown.cruise_speed_mps.clamp(slowest_mps, fastest_mps);
+        }
         Some((airframe.name().to_owned(), flown))
     }
 
