@@ -1,9 +1,11 @@
 """Parameter files: `columba vehicles --defaults`, as autopilots and ground stations write them."""
 
+import json
 import struct
 import subprocess
 
 import pytest
+from conftest import PROJECT
 from lists import Lists
 from pymavlink import mavparm
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -70,6 +72,70 @@ def test_what_the_vehicles_do_not_use_is_named_in_one_line(program, parameter_fi
         errors = running.stderr.read()
     names = ", ".join(f"SERVO{index}_MIN" for index in range(1, 9))
     assert errors == f"columba: kept for clients and not used by the vehicles: {names} and 4 more\n"
+
+
+def listed(craft):
+    lists = Lists(craft.link, [craft.system])
+    lists.fetch()
+    found = lists.found[craft.system]
+    assert sorted(found) == list(range(len(found))) and {value.param_count for value in found.values()} == {len(found)}
+    by_name = {value.param_id: value for value in found.values()}
+    assert len(by_name) == len(found), "each once"
+    return by_name
+
+
+def recorded(autopilot):
+    """Names, values and types of the stock autopilot, as they were recorded."""
+    path = PROJECT / "crates/sim-vehicle/src/firmware" / autopilot / "stock.params"
+    rows = [line.split("\t") for line in path.read_text().splitlines() if not line.startswith("#")]
+    return {name: (float(value), int(kind)) for _, _, name, value, kind in rows}
+
+
+@pytest.mark.parametrize("how", [("--ports", "ardupilot"), ("--stock-parameters",)])
+def test_an_arduplane_has_all_parameters_of_the_real_one(start_vehicles, how):
+    craft = start_vehicles("--count", 1, *how, ground_port=0).connect()[0]
+    found, real = listed(craft), recorded("arduplane")
+    assert len(real) == 1401 and not set(real) - set(found)
+    own = set(listed(start_vehicles("--count", 1, ground_port=0).connect()[0]))
+    for name in set(real) - own:
+        assert (found[name].param_value, found[name].param_type) == (pytest.approx(real[name][0]), real[name][1]), name
+    assert {"THR_MIN", "RC1_MIN", "GPS_AUTO_SWITCH", "BATT2_MONITOR"} <= set(real) - own
+    assert write(craft, "GPS_AUTO_SWITCH", 2).param_value == 2
+    assert write(craft, "THR_MIN", 300).param_value == 127, "as much as the type has room for"
+    assert [read(craft, name).param_value for name in ("GPS_AUTO_SWITCH", "THR_MIN")] == [2, 127]
+
+
+def test_a_px4_has_all_parameters_of_the_real_one(start_vehicles):
+    craft = start_vehicles("--count", 1, "--stock-parameters", "--personality", "px4", ground_port=0).connect()[0]
+    found, real = listed(craft), recorded("px4")
+    assert len(real) == 972 and not set(real) - set(found)
+    own = set(listed(start_vehicles("--count", 1, "--personality", "px4", ground_port=0).connect()[0]))
+    for name in set(real) - own:
+        value, kind = found[name].param_value, found[name].param_type
+        if kind == mavlink.MAV_PARAM_TYPE_INT32:
+            # The bytes of an integer may be those of no number.
+            value = struct.unpack("<i", struct.pack("<f", value))[0]
+        assert (value, kind) == (pytest.approx(real[name][0]), real[name][1]), name
+    before = read(craft, "_HASH_CHECK")
+    craft.link.mav.param_set_send(craft.system, 1, b"FW_P_TC", 0.5, mavlink.MAV_PARAM_TYPE_REAL32)
+    craft.wait(["PARAM_VALUE"], lambda value: value.param_id == "FW_P_TC" and value.param_value == 0.5)
+    after = read(craft, "_HASH_CHECK")
+    bits = [struct.pack("<f", value.param_value) for value in (before, after)]
+    assert bits[0] != bits[1] and before.param_count == after.param_count == len(found)
+
+
+def test_the_table_counts_the_parameters_that_are_not_used_and_files_are_named_as_ever(program, parameter_file):
+    options = ["--count", "1", "--vehicle-port", "0", "--ground-port", "0", "--json", "--stock-parameters"]
+    options += ["--defaults", str(parameter_file("THR_MIN 3\nRTL_RADIUS 70\n")), "--param", "THR_MAX=90"]
+    with subprocess.Popen(
+        [program, "vehicles", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
+        table = json.loads(running.stdout.readline())
+        running.terminate()
+        errors = running.stderr.read()
+    assert errors == "columba: kept for clients and not used by the vehicles: THR_MIN, THR_MAX\n"
+    assert 1250 < table["vehicles"][0]["inert_parameters"] < 1401
+    assert "there is no real autopilot" in refusal(program, "--stock-parameters", "--personality", "generic")
 
 
 def test_older_names_are_taken_over_as_arduplane_does_and_named(program, start_vehicles, scenario, parameter_file):

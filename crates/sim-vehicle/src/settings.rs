@@ -53,6 +53,8 @@ pub struct VehicleSettings {
     pub further_grounds: Vec<SocketAddr>,
     /// What links are for that are those of the autopilot's own simulator: these start with its rates.
     pub link_uses: Vec<(SocketAddr, LinkUse)>,
+    /// Clients find the parameters of the real autopilot that the vehicle does not know, too; they change nothing.
+    pub stock_parameters: bool,
     /// Parameter files in place of the vehicle's own defaults. What the vehicle does not know is kept for its clients.
     pub parameter_files: ParameterFile,
     /// Parameters in place of these and of the vehicle's own defaults, by name, in order.
@@ -137,6 +139,7 @@ impl Default for VehicleSettings {
             link_uses: Vec::new(),
             cruise_speed_mps: None,
             files_shape_limits: false,
+            stock_parameters: false,
             parameter_files: ParameterFile::default(),
             default_parameters: Vec::new(),
             kept_parameters: ParameterFile::default(),

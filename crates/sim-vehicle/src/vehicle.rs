@@ -323,9 +323,15 @@ impl Vehicle {
         self.component.autopilot.parameters.kept()
     }
 
-    /// Names of the parameters that come from a parameter file and change nothing: clients list, read and set them.
+    /// Names of the parameters that change nothing and that files, settings or clients have named: clients list, read
+    /// and set them.
     pub fn inert_parameters(&self) -> impl Iterator<Item = &str> {
         self.component.autopilot.parameters.inert_names()
+    }
+
+    /// How many parameters change nothing, with those of the stock autopilot that nobody has named.
+    pub fn inert_parameter_count(&self) -> usize {
+        self.component.autopilot.parameters.inert_count()
     }
 
     /// Whether a parameter has been set since this was last asked.

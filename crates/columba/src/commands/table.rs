@@ -40,6 +40,8 @@ struct Row {
     altitude_m: f64,
     speed_mps: f64,
     course_rad: f64,
+    /// How many of its parameters are there for clients and change nothing.
+    inert_parameters: usize,
 }
 
 /// A way to a vehicle.
@@ -80,6 +82,9 @@ impl Table {
         }
         if networks > 1 {
             let _ = writeln!(words, "{networks} networks of 250: vehicle 251 is system 1 of network 2, and so on");
+        }
+        if let Some(inert) = self.vehicles.first().map(|row| row.inert_parameters).filter(|inert| *inert > 0) {
+            let _ = writeln!(words, "{inert} parameters are there for clients to read and set, and change nothing");
         }
         let unasked = self.ground.map(|address| format!("{address} and to ")).unwrap_or_default();
         let next = self.ground.filter(|_| networks > 1).map(|_| ", the port after it for the next network");
@@ -125,6 +130,7 @@ impl Row {
             altitude_m: start.altitude_m,
             speed_mps: start.speed_mps,
             course_rad: start.course_rad,
+            inert_parameters: vehicle.inert_parameter_count(),
         }
     }
 }

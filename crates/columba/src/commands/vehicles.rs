@@ -146,7 +146,8 @@ fn check_apart(scenario: &Scenario, base_port: u16) -> anyhow::Result<()> {
 }
 
 /// Names the parameters of files that the vehicles only keep, in one line: all vehicles have the same. Older names are
-/// told with those that they have now, the ones that are taken over and the others.
+/// told with those that they have now, the ones that are taken over and the others. Those of a stock autopilot are in
+/// the table.
 fn tell_parameters(scenario: &Scenario, host: &Host) {
     let (_, old) = scenario.parameter_files.renamed_for(scenario.autopilot.personality);
     let renamed = |is_taken: bool| {

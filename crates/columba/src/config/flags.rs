@@ -173,6 +173,15 @@ const FLAGS: &[Flag] = &[
         ..FLAG
     },
     Flag {
+        name: "stock-parameters",
+        key: "parameters.stock",
+        kind: Kind::Switch,
+        help: "Clients find all parameters of the real autopilot; those that the vehicles do not use change nothing. \
+               So it is with an autopilot's --ports",
+        commands: &[VEHICLES],
+        ..FLAG
+    },
+    Flag {
         name: "param",
         key: "parameters",
         kind: Kind::Entry,
@@ -497,11 +506,8 @@ mod tests {
                 table => format!("## [{table}]\n"),
             };
             // A table of its own entries has no row for them.
-            let (section, key) = if flag.key.starts_with("parameters") {
-                ("## [parameters]".to_owned(), "files")
-            } else {
-                (section, key)
-            };
+            let (section, key) =
+                if flag.key == "parameters" { ("## [parameters]\n".to_owned(), "files") } else { (section, key) };
             let rest = MANUAL.split(&section).nth(1).unwrap_or_else(|| panic!("{section}"));
             let text = rest.split("\n## ").next().unwrap();
             assert!(text.contains(&format!("`{key}`")), "--{}: {}", flag.name, flag.key);

@@ -1,4 +1,4 @@
-//! `[parameters]`: parameter files, and values by name.
+//! `[parameters]`: parameter files, values by name, and whether there are those of the real autopilot.
 
 use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
@@ -10,12 +10,16 @@ use std::path::PathBuf;
 
 /// The key of [`ParametersTable::files`]. Parameters have names in capitals.
 const FILES: &str = "files";
+/// The key of [`ParametersTable::stock`].
+const STOCK: &str = "stock";
 
 /// The vehicles' parameters at the start.
 #[derive(Clone, Debug, Default)]
 pub struct ParametersTable {
     /// Parameter files, relative to the scenario's; the last value of a name counts.
     pub files: Vec<PathBuf>,
+    /// Whether clients find all parameters of the real autopilot; none: as the ports of the vehicles say.
+    pub stock: Option<bool>,
     /// Values by name, which go before those of the files.
     pub values: BTreeMap<String, f64>,
     /// What is in the files, once they have been read.
@@ -48,10 +52,12 @@ impl<'de> Deserialize<'de> for ParametersTable {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ParametersTable, A::Error> {
                 let mut table = ParametersTable::default();
                 while let Some(key) = map.next_key::<String>()? {
-                    if key == FILES {
-                        table.files = map.next_value()?;
-                    } else {
-                        table.values.insert(key, map.next_value()?);
+                    match &key[..] {
+                        FILES => table.files = map.next_value()?,
+                        STOCK => table.stock = Some(map.next_value()?),
+                        _ => {
+                            table.values.insert(key, map.next_value()?);
+                        }
                     }
                 }
                 Ok(table)
@@ -67,6 +73,9 @@ impl Serialize for ParametersTable {
         let mut map = serializer.serialize_map(None)?;
         if !self.files.is_empty() {
             map.serialize_entry(FILES, &self.files)?;
+        }
+        if let Some(stock) = self.stock {
+            map.serialize_entry(STOCK, &stock)?;
         }
         for (name, value) in &self.values {
             map.serialize_entry(name, value)?;

@@ -53,6 +53,8 @@ pub struct Scenario {
     pub files_shape_limits: bool,
     /// The vehicles' parameters at the start, by name.
     pub parameters: BTreeMap<String, f32>,
+    /// Whether clients find all parameters of the real autopilot.
+    pub stock_parameters: bool,
     /// Parameter files, which these override.
     pub parameter_files: ParameterFile,
     /// The link.
@@ -128,6 +130,9 @@ impl Scenario {
             optimizer: file.optimizer,
             autopilot: file.autopilot,
             files_shape_limits: file.airframe.as_ref().is_some_and(|airframe| !airframe.is_paper()),
+            // Vehicles with an autopilot's ports stand in for its simulator.
+            stock_parameters: file.parameters.stock.unwrap_or(file.link.layout() != PortLayout::Columba)
+                && file.autopilot.personality.has_stock_parameters(),
             parameter_files: file.parameters.read,
             parameters: file.parameters.values.into_iter().map(|(name, value)| (name, value as f32)).collect(),
             link: Link {

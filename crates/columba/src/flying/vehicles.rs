@@ -78,6 +78,7 @@ pub fn vehicle_settings(scenario: &Scenario, ground: Option<SocketAddr>, clock_e
         files_shape_limits: scenario.files_shape_limits,
         clock_epoch_us,
         ground,
+        stock_parameters: scenario.stock_parameters,
         parameter_files: parameter_files.clone(),
         default_parameters: parameters.clone(),
         ..VehicleSettings::default()

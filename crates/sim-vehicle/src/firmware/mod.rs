@@ -11,6 +11,7 @@ mod generic;
 pub(crate) mod offers;
 mod px4;
 pub(crate) mod rules;
+pub(crate) mod stock;
 mod targets;
 pub(crate) mod words;
 
@@ -53,6 +54,12 @@ personalities! {
 }
 
 impl Personality {
+    /// Whether there is a list of the real one's parameters, for
+    /// [`VehicleSettings::stock_parameters`](crate::VehicleSettings::stock_parameters).
+    pub fn has_stock_parameters(self) -> bool {
+        (self.rules().stock)().is_some()
+    }
+
     /// Its name in scenarios and on the command line.
     pub fn name(self) -> &'static str {
         self.rules().name

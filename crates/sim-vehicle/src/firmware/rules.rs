@@ -1,6 +1,7 @@
 //! What differs between autopilots, by name: one const each. What is not here is the same for all of them, and
 //! ArduPlane's.
 
+use crate::firmware::stock::Stock;
 use crate::firmware::words::Words;
 use crate::mode::Mode;
 use crate::parameters::renamed::Renamed;
@@ -152,8 +153,8 @@ pub(crate) struct Rules {
     pub has_parameter: fn(Parameter) -> bool,
     /// What it calls a parameter, and of which type it has it.
     pub parameter: fn(Parameter) -> (&'static str, MavParamType),
-    /// The type of a parameter that only a file names, if the file does not say.
-    pub inert_parameter: fn(&str) -> MavParamType,
+    /// The parameters of the real one, and of which types these are.
+    pub stock: fn() -> Option<&'static Stock>,
     /// What it called parameters before.
     pub renamed_parameters: &'static [Renamed],
     /// What is otherwise before anybody sets it.
@@ -175,6 +176,11 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
+    /// What names of parameters are told apart by.
+    pub fn parameter_key(&self, name: &str) -> String {
+        if self.parameter_names_have_case { name.to_owned() } else { name.to_ascii_uppercase() }
+    }
+
     /// MAVLink's standard mode that one of the vehicle's is. Some autopilots have only modes of their own.
     pub fn standard_mode(&self, mode: Mode) -> MavStandardMode {
         match mode {

@@ -27,7 +27,7 @@ pub fn check_parameters(settings: &VehicleSettings) -> Vec<ParameterFault> {
     let mut settings = settings.clone();
     shape_limits(&mut settings);
     let mut parameters = Parameters::new(&settings);
-    let known = parameters.adopt(&settings.parameter_files);
+    let known = parameters.adopt(&settings.parameter_files, settings.stock_parameters);
     let refused = in_any_order(known, |parameter, entry| parameters.set(parameter, entry.value as f32));
     let mut faults: Vec<ParameterFault> = refused
         .into_iter()

@@ -7,10 +7,10 @@ use crate::error::ParameterError;
 use crate::settings::VehicleSettings;
 
 impl Parameters {
-    /// Makes the parameters of files that the vehicle does not know inert ones, and gives those that it knows and that
-    /// are to be set. What it counts itself stays, whatever a file says.
-    pub fn adopt<'a>(&mut self, files: &'a ParameterFile) -> Vec<(Parameter, &'a ParameterEntry)> {
-        self.inert = files.inert(self.rules, |name| self.named(name).is_some());
+    /// Makes the parameters of files and of the stock autopilot that the vehicle does not know inert ones, and gives
+    /// those of the files that it knows and that are to be set. What it counts itself stays, whatever a file says.
+    pub fn adopt<'a>(&mut self, files: &'a ParameterFile, has_stock: bool) -> Vec<(Parameter, &'a ParameterEntry)> {
+        self.inert = files.inert(self.rules, has_stock, |name| self.named(name).is_some());
         let known = files.entries().iter().filter_map(|entry| Some((self.named(&entry.name)?, entry)));
         let is_taken = |parameter: &Parameter| !parameter.is_counted() && *parameter != Parameter::Speedup;
         known.filter(|(parameter, _)| is_taken(parameter)).collect()
@@ -94,6 +94,7 @@ mod tests {
     use super::*;
     use crate::parameters::Listed;
     use crate::{Personality, Vehicle};
+    use mavlink_bridge::dialect::MavParamType;
 
     fn files(values: &[(&str, f64)]) -> ParameterFile {
         values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
@@ -140,6 +141,54 @@ mod tests {
         let value = |vehicle: &Vehicle| vehicle.autopilot().parameters.on_wire(Listed::Inert(0), |_| 0.0).2;
         assert_eq!((value(&one), value(&other)), (7.0, 5.0));
         assert_eq!(one.set_parameters().collect::<Vec<_>>(), [("THR_MIN", 7.0)]);
+    }
+
+    #[test]
+    fn a_stock_autopilots_parameters_are_there_and_those_of_files_go_before() {
+        for (personality, count) in [(Personality::ArduPlane, 1401), (Personality::Px4, 972)] {
+            let given = files(&[("thr_min", 5.0), ("NO_SUCH_ONE", 2.0)]);
+            let settings = VehicleSettings {
+                stock_parameters: true,
+                parameter_files: given,
+                personality,
+                ..VehicleSettings::default()
+            };
+            let vehicle = Vehicle::new(settings.clone()).unwrap();
+            let parameters = &vehicle.autopilot().parameters;
+            let names: Vec<String> = (0..parameters.count())
+                .map(|index| parameters.on_wire(parameters.at(index).unwrap(), |_| 0.0).0.to_ascii_uppercase())
+                .collect();
+            let distinct: std::collections::HashSet<&String> = names.iter().collect();
+            assert_eq!(distinct.len(), names.len(), "each once");
+            for entry in (personality.rules().stock)().unwrap().parameters().entries() {
+                assert!(distinct.contains(&entry.name), "{}", entry.name);
+            }
+            assert!(names.len() > count && names.len() < count + 120, "{}", names.len());
+            // A PX4 tells names apart by their case, and has no THR_MIN.
+            assert_eq!(vehicle.inert_parameters().collect::<Vec<_>>(), ["thr_min", "NO_SUCH_ONE"]);
+            let value = |name| parameters.on_wire(parameters.find(name).unwrap(), |_| 0.0);
+            if personality == Personality::ArduPlane {
+                assert_eq!(value("THR_MIN"), ("thr_min", MavParamType::MAV_PARAM_TYPE_INT8, 5.0));
+                assert_eq!(value("RC1_MIN"), ("RC1_MIN", MavParamType::MAV_PARAM_TYPE_INT16, 1000.0));
+            } else {
+                assert_eq!(value("FW_P_TC").1, MavParamType::MAV_PARAM_TYPE_REAL32);
+            }
+            let without = VehicleSettings { stock_parameters: false, ..settings };
+            assert_eq!(Vehicle::new(without).unwrap().inert_parameter_count(), 2, "the same files, another list");
+        }
+    }
+
+    #[test]
+    fn whole_numbers_are_cut_to_what_their_type_has_room_for_as_arduplane_does() {
+        let mut vehicle = vehicle(&[("THR_MIN", -300.0), ("RC1_MIN", 1000.0)], Personality::ArduPlane);
+        let value = |vehicle: &Vehicle, index| vehicle.autopilot().parameters.on_wire(Listed::Inert(index), |_| 0.0).2;
+        assert_eq!(value(&vehicle, 0), -128.0);
+        for (index, written, kept) in
+            [(0, 300.0, 127.0), (0, 12.9, 12.0), (0, 12.995, 13.0), (0, -12.995, -13.0), (1, 40_000.0, 32_767.0)]
+        {
+            vehicle.autopilot_mut().parameters.write_inert(index, written, 9).unwrap();
+            assert_eq!(value(&vehicle, index), kept);
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //!
 //! A `#` begins a comment. The last value of a name counts.
 
-use super::inert::Inert;
+use super::inert::{Inert, InertParameter};
 use crate::firmware::rules::Rules;
 use mavlink_bridge::PARAMETER_NAME_MAX;
 use mavlink_bridge::dialect::MavParamType::{
@@ -17,7 +17,7 @@ use mavlink_bridge::dialect::MavParamType::{
     MAV_PARAM_TYPE_REAL32 as REAL, MAV_PARAM_TYPE_UINT8 as UINT8, MAV_PARAM_TYPE_UINT16 as UINT16,
     MAV_PARAM_TYPE_UINT32 as UINT32,
 };
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -105,16 +105,17 @@ pub(crate) struct ParameterEntry {
 }
 
 impl ParameterEntry {
-    /// The type of an inert parameter. ArduPilot's files state none; values are floats on ArduPilot's wire, whatever
-    /// the type. PX4 knows two, and writes real numbers with a point.
+    /// The type of an inert parameter: that of the file, or of the real autopilot. Of names that it does not know, PX4
+    /// writes real numbers with a point; those of an ArduPlane are floats on the wire, whatever the type.
     pub fn kind_for(&self, rules: &Rules) -> MavParamType {
         if rules.tells_whole_numbers_as_floats {
             return REAL;
         }
+        let known = self.kind.or_else(|| (rules.stock)().and_then(|stock| stock.kind(&self.name)));
         if !rules.bytewise_parameters {
-            return self.kind.unwrap_or_else(|| (rules.inert_parameter)(&self.name));
+            return known.unwrap_or(REAL);
         }
-        let is_real = self.kind.map_or(!self.is_whole, |kind| kind == REAL);
+        let is_real = known.map_or(!self.is_whole, |kind| kind == REAL);
         if is_real { REAL } else { INT32 }
     }
 }
@@ -126,8 +127,9 @@ pub struct ParameterFile(Arc<Contents>);
 #[derive(Debug, Default)]
 struct Contents {
     entries: Vec<ParameterEntry>,
-    /// The inert parameters of the first vehicle that has asked, for all that pass for the same autopilot.
-    inert: OnceLock<(&'static Rules, Inert)>,
+    /// The inert parameters of the first vehicle that has asked, for all that pass for the same autopilot, with its
+    /// stock parameters or without.
+    inert: OnceLock<(&'static Rules, bool, Inert)>,
 }
 
 /// Most files that include one another in a row, as in ArduPilot's tools.
@@ -147,6 +149,14 @@ impl ParameterFile {
             parse(path, &text, 0, &mut entries)?;
         }
         Ok(Self::of(entries))
+    }
+
+    /// One that is part of the program, and has been tested with it.
+    pub(crate) fn recorded(text: &str) -> Self {
+        let mut entries = Vec::new();
+        // Where a line is wrong, those before it count: a test reads all.
+        let _ = parse(Path::new("recorded"), text, 0, &mut entries);
+        Self::of(entries)
     }
 
     pub(super) fn of(entries: Vec<ParameterEntry>) -> Self {
@@ -169,11 +179,28 @@ impl ParameterFile {
         &self.0.entries
     }
 
-    /// Those that an autopilot does not know, inert; all its vehicles share one list.
-    pub(super) fn inert(&self, rules: &'static Rules, is_known: impl Fn(&str) -> bool) -> Inert {
-        let inert = || Inert::new(self.entries().iter().filter(|entry| !is_known(&entry.name)), rules);
-        let (of, shared) = self.0.inert.get_or_init(|| (rules, inert()));
-        if std::ptr::eq(*of, rules) { shared.clone() } else { inert() }
+    /// Those that do not act, inert, behind those of the stock autopilot if it is to have them; all vehicles share one
+    /// list.
+    pub(super) fn inert(&self, rules: &'static Rules, has_stock: bool, acts: impl Fn(&str) -> bool) -> Inert {
+        let inert = || Inert::new(self.inert_parameters(rules, has_stock, &acts));
+        let (of, with_stock, shared) = self.0.inert.get_or_init(|| (rules, has_stock, inert()));
+        if std::ptr::eq(*of, rules) && *with_stock == has_stock { shared.clone() } else { inert() }
+    }
+
+    fn inert_parameters(&self, rules: &Rules, has_stock: bool, acts: impl Fn(&str) -> bool) -> Vec<InertParameter> {
+        let stock = (rules.stock)().filter(|_| has_stock).map_or(&[][..], |stock| stock.parameters().entries());
+        let mut own: BTreeMap<String, &ParameterEntry> =
+            self.entries().iter().map(|entry| (rules.parameter_key(&entry.name), entry)).collect();
+        let of_stock = stock.iter().filter(|entry| !acts(&entry.name)).map(|entry| {
+            match own.remove(&rules.parameter_key(&entry.name)) {
+                Some(own) => InertParameter::new(own, rules, false),
+                None => InertParameter::new(entry, rules, true),
+            }
+        });
+        let mut inert: Vec<InertParameter> = of_stock.collect();
+        let further = self.entries().iter().filter(|entry| own.contains_key(&rules.parameter_key(&entry.name)));
+        inert.extend(further.filter(|entry| !acts(&entry.name)).map(|entry| InertParameter::new(entry, rules, false)));
+        inert
     }
 }
 

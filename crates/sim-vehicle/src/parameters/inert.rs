@@ -1,19 +1,26 @@
-//! Parameters that a vehicle keeps for its clients and does not use: those of a parameter file that this simulation has
-//! nothing for, such as `THR_MIN` or `RC1_MIN`. Scripts list, read and set them, and nothing else depends on them.
+//! Parameters that a vehicle keeps for its clients and does not use: those of the stock autopilot and of parameter files
+//! that this simulation has nothing for, such as `THR_MIN` or `RC1_MIN`. Scripts list, read and set them, and nothing
+//! else depends on them.
 
 use super::file::ParameterEntry;
+use super::whole;
 use crate::error::ParameterError;
 use crate::firmware::rules::Rules;
 use mavlink_bridge::dialect::MavParamType;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The inert parameters of one vehicle, in the order of their indices.
 ///
-/// A parameter file has more than a thousand. All vehicles that start with it share one list until one of them changes.
+/// There are more than a thousand. All vehicles share one list, and each has what has been set of its own.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Inert(Arc<Vec<InertParameter>>);
+pub(crate) struct Inert {
+    list: Arc<Vec<InertParameter>>,
+    /// By index, in place of the value in the list.
+    own: BTreeMap<usize, OwnValue>,
+}
 
-/// One of them.
+/// One of them, with its first value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct InertParameter {
     name: String,
@@ -21,31 +28,52 @@ pub(crate) struct InertParameter {
     /// Whole numbers of 32 bits do not fit into single precision.
     value: f64,
     is_read_only: bool,
+    /// Whether it is as the stock autopilot has it, and no file says otherwise.
+    is_stock: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OwnValue {
+    value: f64,
     /// Whether a client has set it: then the state folder keeps it.
-    is_set: bool,
+    is_kept: bool,
 }
 
 impl Inert {
-    /// Those of files, which name each only once.
-    pub fn new<'a>(entries: impl Iterator<Item = &'a ParameterEntry>, rules: &Rules) -> Self {
-        Self(Arc::new(entries.map(|entry| InertParameter::new(entry, rules)).collect()))
+    /// Those of the stock autopilot and of files, which name each only once.
+    pub fn new(parameters: Vec<InertParameter>) -> Self {
+        Self { list: Arc::new(parameters), own: BTreeMap::new() }
     }
 
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.list.len()
     }
 
     pub fn get(&self, index: usize) -> Option<&InertParameter> {
-        self.0.get(index)
+        self.list.get(index)
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &InertParameter> {
-        self.0.iter()
+    /// The present value.
+    pub fn value(&self, index: usize) -> Option<f64> {
+        self.own.get(&index).map(|own| own.value).or_else(|| self.get(index).map(|parameter| parameter.value))
+    }
+
+    /// Names of those that somebody has named: files, the settings or a client.
+    pub fn named(&self) -> impl Iterator<Item = &str> {
+        let is_named =
+            |(index, parameter): &(usize, &InertParameter)| !parameter.is_stock || self.own.contains_key(index);
+        self.list.iter().enumerate().filter(is_named).map(|(_, parameter)| parameter.name())
+    }
+
+    /// What clients have set, by name.
+    pub fn kept(&self) -> impl Iterator<Item = (&str, f64)> {
+        let kept = self.own.iter().filter(|(_, own)| own.is_kept);
+        kept.filter_map(|(index, own)| Some((self.get(*index)?.name(), own.value)))
     }
 
     /// The index of the parameter whose name is the right one.
     pub fn position(&self, is_name: impl Fn(&str) -> bool) -> Option<usize> {
-        self.0.iter().position(|parameter| is_name(&parameter.name))
+        self.list.iter().position(|parameter| is_name(&parameter.name))
     }
 
     /// Takes a new value, from a client or from what clients have set before.
@@ -57,39 +85,23 @@ impl Inert {
         if !value.is_finite() {
             return Err(ParameterError::NotFinite(parameter.name.clone().into()));
         }
-        self.change(index, value);
+        let own = OwnValue { value: fit(parameter.kind, value), is_kept: true };
+        self.own.insert(index, own);
         Ok(())
     }
 
     /// What has been set so far is what the vehicle starts with, and is not kept.
     pub fn make_defaults(&mut self) {
-        if self.0.iter().any(|parameter| parameter.is_set) {
-            Arc::make_mut(&mut self.0).iter_mut().for_each(|parameter| parameter.is_set = false);
-        }
-    }
-
-    fn change(&mut self, index: usize, value: f64) {
-        if let Some(parameter) = Arc::make_mut(&mut self.0).get_mut(index) {
-            parameter.value = if parameter.is_whole() { value.trunc() } else { value };
-            parameter.is_set = true;
-        }
+        self.own.values_mut().for_each(|own| own.is_kept = false);
     }
 }
 
 impl InertParameter {
-    fn new(entry: &ParameterEntry, rules: &Rules) -> Self {
+    /// What one line of a file says, or of the stock list.
+    pub fn new(entry: &ParameterEntry, rules: &Rules, is_stock: bool) -> Self {
         let kind = entry.kind_for(rules);
-        let mut parameter = Self {
-            name: entry.name.clone(),
-            kind,
-            value: entry.value,
-            is_read_only: entry.is_read_only,
-            is_set: false,
-        };
-        if parameter.is_whole() {
-            parameter.value = parameter.value.trunc();
-        }
-        parameter
+        let value = fit(kind, entry.value);
+        Self { name: entry.name.clone(), kind, value, is_read_only: entry.is_read_only, is_stock }
     }
 
     pub fn name(&self) -> &str {
@@ -99,16 +111,18 @@ impl InertParameter {
     pub fn kind(&self) -> MavParamType {
         self.kind
     }
+}
 
-    pub fn value(&self) -> f64 {
-        self.value
-    }
-
-    pub fn is_set(&self) -> bool {
-        self.is_set
-    }
-
-    fn is_whole(&self) -> bool {
-        self.kind != MavParamType::MAV_PARAM_TYPE_REAL32
-    }
+/// A value as a parameter of a type has it: a whole one is cut off after the point, and to what there is room for.
+fn fit(kind: MavParamType, value: f64) -> f64 {
+    let (least, most) = match kind {
+        MavParamType::MAV_PARAM_TYPE_UINT8 => (0.0, f64::from(u8::MAX)),
+        MavParamType::MAV_PARAM_TYPE_INT8 => (f64::from(i8::MIN), f64::from(i8::MAX)),
+        MavParamType::MAV_PARAM_TYPE_UINT16 => (0.0, f64::from(u16::MAX)),
+        MavParamType::MAV_PARAM_TYPE_INT16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
+        MavParamType::MAV_PARAM_TYPE_UINT32 => (0.0, f64::from(u32::MAX)),
+        MavParamType::MAV_PARAM_TYPE_INT32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
+        _ => return value,
+    };
+    whole(value).clamp(least, most)
 }

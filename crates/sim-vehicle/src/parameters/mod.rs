@@ -1,7 +1,7 @@
 //! The vehicle's parameters: names, types, ranges and values, in ArduPlane 4.7's vocabulary.
 //!
-//! Every parameter of the table acts. A parameter file may bring others, which are inert: clients list, read and set
-//! them, and they change nothing.
+//! Every parameter of the table acts. The list of the stock autopilot and parameter files may bring others, which are
+//! inert: clients list, read and set them, and they change nothing.
 
 pub(crate) mod check;
 pub(crate) mod defaults;
@@ -133,9 +133,14 @@ impl Parameters {
         if self.rules.parameter_names_have_case { own == name } else { own.eq_ignore_ascii_case(name) }
     }
 
-    /// Names of the parameters that change nothing.
+    /// Names of the parameters that change nothing, and that somebody has named.
     pub fn inert_names(&self) -> impl Iterator<Item = &str> {
-        self.inert.iter().map(inert::InertParameter::name)
+        self.inert.named()
+    }
+
+    /// How many parameters change nothing.
+    pub fn inert_count(&self) -> usize {
+        self.inert.len()
     }
 
     /// Name, type and value on the wire of a parameter; `value` is the present one of a parameter that acts.
@@ -145,10 +150,10 @@ impl Parameters {
                 (self.name(parameter), self.kind(parameter), self.to_wire(parameter, value(parameter)))
             }
             Listed::Inert(index) => {
-                self.inert.get(index).map_or(("", MavParamType::MAV_PARAM_TYPE_REAL32, 0.0), |own| {
+                let known = self.inert.get(index).zip(self.inert.value(index));
+                known.map_or(("", MavParamType::MAV_PARAM_TYPE_REAL32, 0.0), |(own, value)| {
                     let is_bytewise = self.is_bytewise_kind(own.kind());
-                    let value =
-                        if is_bytewise { f32::from_bits(own.value() as i32 as u32) } else { own.value() as f32 };
+                    let value = if is_bytewise { f32::from_bits(value as i32 as u32) } else { value as f32 };
                     (own.name(), own.kind(), value)
                 })
             }
@@ -214,7 +219,7 @@ impl Parameters {
         }
         // A generic autopilot tells whole numbers as floats, and they are whole all the same.
         let kind = if self.rules.tells_whole_numbers_as_floats { parameter.kind() } else { self.kind(parameter) };
-        let value = if kind == MavParamType::MAV_PARAM_TYPE_REAL32 { value } else { value.trunc() };
+        let value = if kind == MavParamType::MAV_PARAM_TYPE_REAL32 { value } else { whole(value.into()) as f32 };
         let (least, most) = self.range(parameter);
         if !(least..=most).contains(&value) {
             return Err(ParameterError::Range { name, value, least, most });
@@ -242,8 +247,7 @@ impl Parameters {
                 && !parameter.is_counted()
         };
         let kept = Parameter::ALL.iter().copied().filter(move |parameter| is_kept(*parameter));
-        let inert = self.inert.iter().filter(|own| own.is_set()).map(|own| (own.name(), own.value()));
-        kept.map(|parameter| (self.name(parameter), f64::from(self.get(parameter)))).chain(inert)
+        kept.map(|parameter| (self.name(parameter), f64::from(self.get(parameter)))).chain(self.inert.kept())
     }
 
     /// The value of a parameter that has been set; none if it is as at the start.
@@ -254,6 +258,13 @@ impl Parameters {
     fn range(&self, parameter: Parameter) -> (f32, f32) {
         (parameter.row().range)(&Bounds { values: &self.values, model: &self.model })
     }
+}
+
+/// What is left of a value that must be whole: it is cut off, but for what is as good as the next number (`set_float`
+/// of ArduPilot's AP_Param).
+fn whole(value: f64) -> f64 {
+    const ROUNDING: f64 = 0.01;
+    (value + ROUNDING.copysign(value)).trunc()
 }
 
 #[cfg(test)]
@@ -311,6 +322,8 @@ mod tests {
     #[test]
     fn whole_types_are_cut_and_what_is_set_is_kept() {
         let mut parameters = parameters();
+        parameters.set(Parameter::LoiterRadius, 59.995).unwrap();
+        assert_eq!(parameters.get(Parameter::LoiterRadius), 60.0);
         parameters.set(Parameter::LoiterRadius, -79.6).unwrap();
         parameters.set(Parameter::AirspeedCruise, 11.25).unwrap();
         assert_eq!(parameters.kept().collect::<Vec<_>>(), [("AIRSPEED_CRUISE", 11.25), ("WP_LOITER_RAD", -79.0)]);

@@ -97,6 +97,15 @@ fn autopilots_ports(link: &LinkTable, count: usize, faults: &mut Faults) {
     }
 }
 
+/// No list of parameters for an autopilot that nobody has built.
+pub fn stock_parameters(file: &ScenarioFile, faults: &mut Faults) {
+    let personality = file.autopilot.personality;
+    if file.parameters.stock == Some(true) && !personality.has_stock_parameters() {
+        let wanted = format!("false or left out: there is no real autopilot of the personality {personality}");
+        faults.add("parameters.stock", true, wanted);
+    }
+}
+
 /// Parameters that the vehicles have, with values that they take.
 pub fn parameters(scenario: &Scenario, vehicles: &[VehicleSettings], faults: &mut Faults) {
     if scenario.parameters.is_empty() && scenario.parameter_files.is_empty() {

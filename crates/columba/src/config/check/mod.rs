@@ -36,6 +36,7 @@ pub fn tables(file: &ScenarioFile, faults: &mut Faults) {
     optimizer(file, faults);
     faults.add_ranges("dynamics", file.dynamics.dynamics().check());
     autopilot_and_link(file, faults);
+    many::stock_parameters(file, faults);
 }
 
 fn scenario(file: &ScenarioFile, faults: &mut Faults) {

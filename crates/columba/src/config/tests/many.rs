@@ -123,6 +123,16 @@ fn ports_of_groups_and_networks_are_counted() {
 }
 
 #[test]
+fn vehicles_on_an_autopilots_ports_have_its_parameters() {
+    let has = |link: &str, rest: &str| load_text(&format!("{}{rest}", many(2, link)), &[]).unwrap().stock_parameters;
+    assert!(!has("", ""));
+    assert!(has("ports = \"ardupilot\"", "") && has("ports = \"px4\"", "\n[autopilot]\npersonality = \"px4\""));
+    assert!(has("", "\n[parameters]\nstock = true"));
+    assert!(!has("ports = \"ardupilot\"", "\n[parameters]\nstock = false"));
+    assert!(!has("ports = \"ardupilot\"", "\n[autopilot]\npersonality = \"generic\""), "nobody has built one");
+}
+
+#[test]
 fn parameters_are_refused_by_line_or_flag() {
     for (line, words) in [
         ("WP_RADIUS = 0", "parameters.WP_RADIUS = 0: must be a number from 1 to 32767"),
@@ -130,6 +140,12 @@ fn parameters_are_refused_by_line_or_flag() {
         ("WP_RADIUS = \"wide\"", "parameters.WP_RADIUS = \"wide\": must be a number"),
         ("SYSID_THISMAV = 3", "parameters.SYSID_THISMAV = 3: must be MAV_SYSID, as it is called now"),
         ("STAT_RUNTIME = 3", "parameters.STAT_RUNTIME = 3: must be left out: it is only read"),
+        ("THR_MIN = 3", "parameters.THR_MIN = 3: must be the name of a parameter that the vehicle has"),
+        ("stock = 1", "parameters.stock = 1: must be true or false"),
+        (
+            "stock = true\n[autopilot]\npersonality = \"generic\"",
+            "parameters.stock = true: must be false or left out: there is no real autopilot of the personality generic",
+        ),
     ] {
         let message = refusal_of(&and(&format!("[parameters]\nRTL_RADIUS = 50\n{line}")));
         assert_eq!(message, format!("field.toml:21: {words}"));

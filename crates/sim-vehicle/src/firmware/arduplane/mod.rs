@@ -2,13 +2,13 @@
 
 pub(super) mod commands;
 pub(super) mod devices;
-mod kinds;
 pub(super) mod messages;
 pub(super) mod mission_items;
 mod renamed;
 pub(super) mod targets;
 
 use super::rules::{CommandSet, Rules, TargetSet};
+use super::stock;
 use super::words;
 use crate::mode::Mode;
 use crate::parameters::table::{OF_PX4_ALONE, Parameter};
@@ -70,7 +70,7 @@ pub(super) const RULES: Rules = Rules {
 
     has_parameter: |parameter: Parameter| !OF_PX4_ALONE.contains(&parameter),
     parameter: |parameter| (parameter.name(), parameter.kind()),
-    inert_parameter: kinds::of,
+    stock: || Some(&stock::ARDUPLANE),
     renamed_parameters: renamed::RENAMED,
     initial_parameters: &[],
     bytewise_parameters: false,

@@ -46,6 +46,7 @@ pub(super) const RULES: Rules = Rules {
     // Clients do not agree on how an unknown autopilot encodes whole numbers: it has none.
     parameter: |parameter| (parameter.name(), MavParamType::MAV_PARAM_TYPE_REAL32),
     tells_whole_numbers_as_floats: true,
+    stock: || None,
     more_streams: &[],
     ..arduplane::RULES
 };

@@ -14,6 +14,7 @@ pub(super) mod preflight;
 
 use super::arduplane;
 use super::rules::{CommandSet, Rules, TargetSet};
+use super::stock;
 use super::words;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
@@ -75,6 +76,7 @@ pub(super) const RULES: Rules = Rules {
     renamed_parameters: &[],
     has_parameter: |parameter| !parameters::ABSENT_PARAMETERS.contains(&parameter),
     parameter: parameters::parameter,
+    stock: || Some(&stock::PX4),
     initial_parameters: &[
         (Parameter::DisarmDelay, 2.0),
         // Its fence counts as soon as it is uploaded.

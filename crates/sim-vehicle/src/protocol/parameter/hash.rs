@@ -37,6 +37,23 @@ mod tests {
     }
 
     #[test]
+    fn the_stock_parameters_count_and_so_does_a_change() {
+        use crate::Vehicle;
+        let with = |stock_parameters| {
+            let settings = VehicleSettings { personality: Personality::Px4, stock_parameters, ..Default::default() };
+            Vehicle::new(settings).unwrap()
+        };
+        let (mut stock, own) = (with(true), with(false));
+        let before = of(&stock.autopilot().parameters);
+        assert_ne!(before, of(&own.autopilot().parameters));
+        assert_eq!(before, of(&with(true).autopilot().parameters));
+        let parameters = &mut stock.autopilot_mut().parameters;
+        let Some(Listed::Inert(index)) = parameters.find("FW_P_TC") else { panic!("FW_P_TC") };
+        parameters.write_inert(index, 0.5, 9).unwrap();
+        assert_ne!(before, of(&stock.autopilot().parameters));
+    }
+
+    #[test]
     fn it_is_the_crc_of_px4() {
         let parameters = Parameters::new(&VehicleSettings { personality: Personality::Px4, ..Default::default() });
         let acting = |listed| match listed {

@@ -14,7 +14,7 @@ impl ParameterService {
     /// kept.
     pub fn start(&mut self, component: &mut Component) -> Result<(), SettingsError> {
         let files = std::mem::take(&mut component.settings.parameter_files);
-        let known = component.autopilot.parameters.adopt(&files);
+        let known = component.autopilot.parameters.adopt(&files, component.settings.stock_parameters);
         let refused = in_any_order(known, |parameter, entry| self.set(component, parameter, entry.value as f32));
         refused.into_iter().next().map_or(Ok(()), |(entry, reason)| Err(of_entry(entry, &reason)))?;
         for (name, value) in std::mem::take(&mut component.settings.default_parameters) {
