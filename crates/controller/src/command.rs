@@ -2,7 +2,7 @@
 
 use crate::polynomial::SINCOS_RANGE_RAD;
 use crate::{AltitudeLaw, CourseLaw, LawSettings, terms};
-use flight_model::{Dynamics, Setpoint, State, Wind};
+use flight_model::{Dynamics, Setpoint, State, Wind, course_vector};
 use nalgebra::Vector2;
 
 /// Longest control period at which Eq. 9 and 10 settle as printed (reading 5).
@@ -15,6 +15,9 @@ const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
 /// A course setpoint changes from one command to the next by at most what the vehicle turns in so many control periods:
 /// in two, less a reserve for a speed that is not known exactly.
 const COURSE_STEP_TICKS: f64 = 1.85;
+
+/// A command's airspeed is at least this times the wind against it.
+const HEAD_WIND_FACTOR: f64 = 1.5;
 
 /// What a command still asks for, while it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,11 +148,17 @@ impl Commander {
     }
 
     /// A setpoint of airspeed and heading as one of speed and course over ground.
+    ///
+    /// Slower than the wind against it the vehicle would be carried backwards, on a course that says nothing of its
+    /// heading: it would turn the other way to fly it. So the airspeed is at least half as much again as the head wind.
     pub fn over_ground(&self, setpoint: &Setpoint, wind: &Wind) -> Setpoint {
         if wind.is_calm() {
             return *setpoint;
         }
-        let settled = Setpoint { speed_mps: self.speed_mps(setpoint), ..*setpoint }.over_ground(wind);
+        let head_wind_mps = -wind.horizontal_mps().dot(&course_vector(setpoint.course_rad));
+        let forward_mps = (HEAD_WIND_FACTOR * head_wind_mps).min(self.speed_max_mps);
+        let speed_mps = self.speed_mps(setpoint).max(forward_mps);
+        let settled = Setpoint { speed_mps, ..*setpoint }.over_ground(wind);
         Setpoint { speed_mps: self.asked_mps(settled.speed_mps), ..settled }
     }
 
@@ -195,6 +204,20 @@ mod tests {
             }
         }
         (overshoot, worst_late)
+    }
+
+    #[test]
+    fn a_command_against_a_wind_leads_against_it() {
+        let commander = Commander::new(&LawSettings::default(), &Dynamics::default(), 0.5);
+        // As slow as it flies, hard to the left, into a gust of 6.6 m/s: carried backwards, it would turn to the right.
+        let command = Setpoint { speed_mps: 5.0, course_rad: 1.64, altitude_m: 50.0 };
+        let wind = Wind { east_mps: -6.65, ..Wind::CALM };
+        let over_ground = commander.over_ground(&command, &wind);
+        assert!((over_ground.course_rad - 1.64).abs() < 0.3 && over_ground.speed_mps > 3.0, "{over_ground:?}");
+        // Any other is what it settles on.
+        let fast = Setpoint { speed_mps: 12.0, ..command };
+        let back = commander.in_air(&commander.over_ground(&fast, &wind), &wind);
+        assert!((back.speed_mps - 12.0).abs() < 1e-9 && (back.course_rad - 1.64).abs() < 1e-9);
     }
 
     #[test]

@@ -22,6 +22,10 @@ pub struct VehicleSettings {
     pub dynamics: Dynamics,
     /// How it flies otherwise than by Eq. 1.
     pub plant: Option<PlantSettings>,
+    /// Our controller leads it, and has it change its speed no faster than this, m/s2, by the rule by which a real
+    /// ArduPlane is told so with each speed ([`mavlink_bridge::kind::gentle_rate_mps2`]): speeds that come without an
+    /// acceleration are flown so. Infinite: these are flown at once.
+    pub led_acceleration_mps2: f64,
     /// Integration step.
     pub step: Duration,
     /// Where and how it starts, in the air.
@@ -124,6 +128,7 @@ impl Default for VehicleSettings {
             personality: Personality::default(),
             dynamics: Dynamics::default(),
             plant: None,
+            led_acceleration_mps2: f64::INFINITY,
             step: Duration::from_millis(10),
             start: State { altitude_m: 50.0, speed_mps: 10.0, ..State::default() },
             on_ground: false,
@@ -183,6 +188,9 @@ impl VehicleSettings {
         ranges.within("loiter_radius_m", self.loiter_radius_m, 1.0, 10_000.0);
         ranges.within("start.speed_mps", self.start.speed_mps, limits.speed_min_mps, limits.speed_max_mps);
         ranges.within("start.climb_mps", self.start.climb_mps, limits.climb_min_mps, limits.climb_max_mps);
+        if self.led_acceleration_mps2 != f64::INFINITY {
+            ranges.within("led_acceleration_mps2", self.led_acceleration_mps2, 0.01, 1e3);
+        }
         ranges.extend(self.dynamics.check());
         ranges.extend(self.plant.iter().flat_map(PlantSettings::check));
         for (name, rate_hz) in self.rates.named() {

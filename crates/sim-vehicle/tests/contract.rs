@@ -27,6 +27,20 @@ fn setpoint(speed_mps: f64, course_rad: f64, altitude_m: f64) -> Message {
 }
 
 #[test]
+fn a_guided_speed_moves_by_whole_steps_as_that_of_arduplane() {
+    let after_4_s = |speed_mps: f32, acceleration_mps2: f32| {
+        let mut client = Client::new(quiet());
+        let params = [0.0, speed_mps, acceleration_mps2];
+        assert_eq!(client.command_long(MAV_CMD_GUIDED_CHANGE_SPEED, params), Some(MAV_RESULT_ACCEPTED));
+        client.fly(4.0).last().unwrap().speed_mps
+    };
+    // Less than 0.1 m/s2 never raises its demand; it sinks at the next higher step.
+    assert!((after_4_s(12.0, 0.09) - 10.0).abs() < 1e-6);
+    assert_eq!(after_4_s(12.0, 0.49), after_4_s(12.0, 0.4));
+    assert_eq!(after_4_s(8.0, 0.31), after_4_s(8.0, 0.4));
+}
+
+#[test]
 fn guided_speed_is_accepted_and_refused_as_by_arduplane() {
     let mut client = Client::new(quiet());
     for (params, expected) in [

@@ -1,7 +1,6 @@
 //! The simulated vehicles of a scenario.
 
 use crate::config::Scenario;
-use flight_model::{PlantSettings, SpeedLoopSettings};
 use mavlink_bridge::LinkSettings;
 use sim_vehicle::{
     Clock, HostSettings, LockstepSettings, NETWORK_VEHICLES_MAX, Personality, PortLayout, VehicleSettings, port_index,
@@ -95,19 +94,18 @@ pub fn led_vehicle_settings(
     let personality = Personality::ArduPlane;
     let vehicles = vehicle_settings(scenario, ground, clock_epoch_us).into_iter();
     let led = |settings: VehicleSettings| {
-        let plant = settings.plant.map(|plant| as_told(plant, settings.dynamics.response.acceleration_max_mps2));
-        VehicleSettings { personality, plant, ..settings }
+        let led_acceleration_mps2 = told_acceleration_mps2(&settings);
+        VehicleSettings { personality, led_acceleration_mps2, ..settings }
     };
     vehicles.map(led).collect()
 }
 
-/// A plant whose demand of speed moves no faster than the controller reckons with: a real autopilot is told so with
-/// each setpoint, and neither memory nor SET_POSITION_TARGET_LOCAL_NED has a field for it.
-fn as_told(mut plant: PlantSettings, acceleration_max_mps2: f64) -> PlantSettings {
-    let SpeedLoopSettings { acceleration_max_mps2: rise, deceleration_max_mps2: fall, .. } = &mut plant.speed;
-    *rise = rise.min(acceleration_max_mps2);
-    *fall = fall.min(acceleration_max_mps2);
-    plant
+/// How fast a plant may change its speed by what a real autopilot is told with each setpoint; neither memory nor
+/// SET_POSITION_TARGET_LOCAL_NED has a field for it. One that does not do more by itself is not told.
+fn told_acceleration_mps2(settings: &VehicleSettings) -> f64 {
+    let told_mps2 = settings.dynamics.response.acceleration_max_mps2;
+    let is_told = settings.plant.is_some_and(|plant| told_mps2 < plant.speed.acceleration_max_mps2);
+    if is_told { told_mps2 } else { f64::INFINITY }
 }
 
 /// The clock of a scenario's vehicles and what it shows at time zero, in microseconds since the Unix epoch: `speed`
@@ -139,12 +137,17 @@ mod tests {
     use flight_model::Airframe;
 
     #[test]
-    fn a_plant_changes_its_speed_no_faster_than_the_controller_reckons_with() {
-        let of_the_airframe = Airframe::plane().plant.unwrap();
-        let slow = as_told(of_the_airframe, 0.4).speed;
-        assert_eq!((slow.acceleration_max_mps2, slow.deceleration_max_mps2), (0.4, 0.4));
-        let at_once = as_told(of_the_airframe, f64::INFINITY);
-        assert_eq!(at_once, of_the_airframe);
+    fn a_plant_changes_its_speed_as_a_real_autopilot_is_told() {
+        let told = |airframe: Airframe, told_mps2: f64| {
+            let mut settings =
+                VehicleSettings { dynamics: airframe.dynamics, plant: airframe.plant, ..VehicleSettings::default() };
+            settings.dynamics.response.acceleration_max_mps2 = told_mps2;
+            told_acceleration_mps2(&settings)
+        };
+        assert_eq!(told(Airframe::plane(), 0.4), 0.4);
+        assert_eq!(told(Airframe::plane(), f64::INFINITY), f64::INFINITY, "at once");
+        assert_eq!(told(Airframe::px4_plane(), 2.5), f64::INFINITY, "by itself");
+        assert_eq!(told(Airframe::paper(), 0.4), f64::INFINITY, "Eq. 1");
     }
 
     #[test]

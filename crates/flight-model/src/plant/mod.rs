@@ -193,10 +193,11 @@ impl Plant {
         for _ in 0..self.substeps {
             let before_mps = speed_mps;
             speed_mps = self.speed.step(setpoint.speed_mps, &self.limits) * ratio;
-            let pitch_rate_radps = self.pitch.step((speed_mps - before_mps) / substep_s, speed_mps);
+            let error_mps = self.speed.error_mps() * ratio;
+            self.pitch.step((speed_mps - before_mps) / substep_s, error_mps, speed_mps);
             let error_rad = wrap_pi(setpoint.course_rad - heading_rad);
             let bank_rad = self.held_bank_rad.unwrap_or_else(|| self.course.wanted_bank_rad(error_rad));
-            heading_rad += self.course.step(bank_rad, pitch_rate_radps, speed_mps, &self.limits);
+            heading_rad += self.course.step(bank_rad, self.pitch.rate_radps(), speed_mps, &self.limits);
             self.altitude.step(setpoint.altitude_m, &self.limits);
             let after = course_vector(heading_rad) * speed_mps;
             position_m += (velocity + after) * (0.5 * substep_s);

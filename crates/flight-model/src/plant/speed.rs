@@ -112,6 +112,11 @@ impl SpeedLoop {
         self.balance.value + self.push.value
     }
 
+    /// How far the airspeed is above the demand, m/s.
+    pub fn error_mps(&self) -> f64 {
+        self.airspeed_mps() - self.demand_mps
+    }
+
     /// One step towards a setpoint; gives the airspeed after it, within the limits. Only a gust carries it out of
     /// these, and then no step makes up for it at once.
     pub fn step(&mut self, setpoint_mps: f64, limits: &Limits) -> f64 {

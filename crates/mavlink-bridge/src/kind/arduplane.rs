@@ -7,6 +7,7 @@
 //! and later climb at a thirtieth of it.
 
 use super::commands::{arm, command_int, set_mode};
+use super::speed_demand::{gentle_rate_mps2, told_rate_mps2};
 use super::{Launch, Parameters, Seen, Situation, VehicleLimits, airspeed_mps, amsl_m};
 use crate::dialect::{MavCmd, MavFrame, Message};
 use crate::setpoint::{course_deg, finite_f32, flyable_altitude_m};
@@ -45,10 +46,6 @@ const TAKEN_OFF_SHARE: f64 = 0.8;
 /// p3 of a course below this makes hardly any turn, m/s2.
 const LATERAL_ACCELERATION_MIN_MPS2: f32 = 0.05;
 
-/// With which a demand of speed approaches a new one, s.
-const DEMAND_TIME_CONSTANT_S: f64 = 4.0;
-/// A demand is never slower than this, m/s2.
-const DEMAND_ACCELERATION_MIN_MPS2: f64 = 0.05;
 /// A plane that is further than this from a wanted speed may have another demand than it was told, m/s.
 const DEMAND_KNOWN_WITHIN_MPS: f64 = 0.5;
 
@@ -125,19 +122,16 @@ pub(super) fn setpoint(
     ])
 }
 
-/// How fast the autopilot may change its demand of speed, m/s2; zero: at once, where the model has no limit.
-///
-/// TECS opens and closes the throttle with the rate at which its demand changes, and pitches against what follows.
-/// Small changes of every tick at a constant rate, up and down, take the lift of a turn: their rate is as small as they
-/// are.
+/// How fast the autopilot is told to change its demand of speed, m/s2; zero: at once, where the model has no limit.
 fn demand_acceleration_mps2(setpoint: &Setpoint, situation: &Situation<'_>, acceleration_max_mps2: f64) -> f64 {
     let Some(demand_mps) = situation.speed_demand_mps.filter(|_| acceleration_max_mps2.is_finite()) else {
         return if acceleration_max_mps2.is_finite() { acceleration_max_mps2 } else { 0.0 };
     };
     // In another mode it may have had another demand than it was told.
     let missing_mps = (setpoint.speed_mps - situation.state.speed_mps).abs() - DEMAND_KNOWN_WITHIN_MPS;
-    let change_mps = (airspeed_mps(setpoint, situation) - demand_mps).abs().max(missing_mps);
-    (change_mps / DEMAND_TIME_CONSTANT_S).max(DEMAND_ACCELERATION_MIN_MPS2).min(acceleration_max_mps2)
+    let change_mps = airspeed_mps(setpoint, situation) - demand_mps;
+    let rate_mps2 = gentle_rate_mps2(change_mps.abs().max(missing_mps), acceleration_max_mps2);
+    told_rate_mps2(rate_mps2, change_mps > 0.0)
 }
 
 pub(super) fn limits(parameters: Parameters<'_>) -> VehicleLimits {

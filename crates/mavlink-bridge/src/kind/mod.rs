@@ -17,7 +17,7 @@ mod px4_multicopter;
 mod speed_demand;
 
 pub use commands::{arm, command_int, command_long, request_message, set_message_interval};
-pub use speed_demand::SpeedDemand;
+pub use speed_demand::{SpeedDemand, demand_rate_mps2, gentle_rate_mps2};
 
 use crate::dialect::{MavAutopilot, MavType, Message};
 use crate::setpoint::{finite_f32, local_ned_setpoint};

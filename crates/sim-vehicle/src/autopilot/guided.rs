@@ -7,6 +7,7 @@ use crate::firmware::rules::CommandSet;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 use mavlink_bridge::AltitudeDatum;
+use mavlink_bridge::kind::demand_rate_mps2;
 
 /// A limit of zero means none.
 fn limit_or_none(limit: f32) -> f64 {
@@ -78,7 +79,8 @@ impl Autopilot {
         }
     }
 
-    /// Param 1: type, only airspeed (0). Param 2: m/s. Param 3: acceleration in m/s2, 0 for at once, its sign ignored.
+    /// Param 1: type, only airspeed (0). Param 2: m/s. Param 3: acceleration in m/s2, 0 for at once, its sign ignored. An
+    /// ArduPlane moves its demand by whole centimetres per second ten times a second.
     pub(crate) fn guided_speed(&mut self, [kind, speed_mps, acceleration_mps2]: [f32; 3]) -> Result<(), CommandError> {
         self.check_guided_command("Speed")?;
         check_finite("Speed", &[kind, speed_mps, acceleration_mps2])?;
@@ -89,9 +91,21 @@ impl Autopilot {
         self.restart_setpoint_timeout();
         // A repeat is accepted and changes nothing, not even the acceleration.
         if self.flight.speed_target_mps() != f64::from(speed_mps) {
-            self.flight.set_speed(f64::from(speed_mps), limit_or_none(acceleration_mps2));
+            self.approach_speed(f64::from(speed_mps), f64::from(acceleration_mps2.abs()));
         }
         Ok(())
+    }
+
+    /// An acceleration of zero: none was given.
+    fn approach_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
+        if acceleration_mps2 == 0.0 {
+            self.flight.set_speed_as_led(speed_mps);
+        } else if self.rules.commands == CommandSet::ArduPlane {
+            let rises = speed_mps > self.flight.speed_demand_mps();
+            self.flight.set_speed(speed_mps, demand_rate_mps2(acceleration_mps2, rises));
+        } else {
+            self.flight.set_speed(speed_mps, acceleration_mps2);
+        }
     }
 
     /// z: m, above what the frame says. Param 3: rate in m/s, 0 for as fast as it flies.

@@ -128,7 +128,7 @@ pub(super) fn fly_target(autopilot: &mut Autopilot, target: &PositionTarget) {
         (None, None) => {}
     }
     if let Some(velocity_mps) = velocity_mps {
-        autopilot.flight.set_speed(velocity_mps.norm(), f64::INFINITY);
+        autopilot.flight.set_speed_as_led(velocity_mps.norm());
     }
     match (target.altitude_m, target.climb_mps) {
         (Some(altitude_m), _) => autopilot.flight.set_altitude(altitude_m, f64::INFINITY),

@@ -63,6 +63,8 @@ pub(crate) struct Flight {
     /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
     speed_is_over_ground: bool,
+    /// Fastest change of a speed that comes without an acceleration, m/s2.
+    led_acceleration_mps2: f64,
     /// The least speed over ground, m/s, for which the airspeed rises; 0 for none.
     least_ground_speed_mps: f64,
     /// Whether it glides with its engine idle, until another mode is set.
@@ -121,6 +123,7 @@ impl Flight {
             rally: None,
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
+            led_acceleration_mps2: settings.led_acceleration_mps2,
             least_ground_speed_mps: 0.0,
             glides: false,
             altitude: Ramp::at(start.altitude_m),

@@ -7,14 +7,34 @@ use super::guidance::{Aim, Direction, RallyPlace};
 use super::ramp::Ramp;
 use super::{Flight, Stage};
 use flight_model::{Autopilot, Dynamics, State};
+use mavlink_bridge::kind::gentle_rate_mps2;
 use nalgebra::Vector2;
 
 impl Flight {
-    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once).
+    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once) from where the demand
+    /// is now.
     pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
-        let value = if acceleration_mps2.is_finite() { self.airspeed_when_released_mps() } else { speed_mps };
+        let value = if acceleration_mps2.is_finite() { self.speed_demand_mps() } else { speed_mps };
         self.speed_is_over_ground = false;
         self.speed = Ramp { value, target: speed_mps, per_step: acceleration_mps2 * self.autopilot.step_s() };
+    }
+
+    /// Airspeed setpoint, m/s, that came without an acceleration.
+    pub fn set_speed_as_led(&mut self, speed_mps: f64) {
+        let most_mps2 = self.led_acceleration_mps2;
+        // A setpoint that is repeated finds the demand on its way.
+        if most_mps2.is_infinite() {
+            self.set_speed(speed_mps, most_mps2);
+        } else if speed_mps != self.speed.target {
+            self.set_speed(speed_mps, gentle_rate_mps2(speed_mps - self.speed_demand_mps(), most_mps2));
+        }
+    }
+
+    /// The airspeed that it asks of itself at present, m/s. One that was asked for over ground, or before it flew, counts
+    /// as the airspeed that it has.
+    pub fn speed_demand_mps(&self) -> f64 {
+        let is_demanded = self.contact == Contact::Air && !self.speed_is_over_ground;
+        if is_demanded { self.speed.value } else { self.airspeed_when_released_mps() }
     }
 
     /// From now on its airspeed rises where its speed over ground, m/s, would be lower.

@@ -72,6 +72,16 @@ fn ramps_hold_their_rates() {
 }
 
 #[test]
+fn a_ramp_goes_on_from_the_demand_and_not_from_the_speed_behind_it() {
+    let mut flight = Flight::new(&settings());
+    flight.set_speed(14.0, 0.5);
+    let behind_mps = fly(&mut flight, 2.0).speed_mps;
+    assert!(behind_mps < 10.7 && (flight.speed_demand_mps() - 11.0).abs() < 1e-9);
+    flight.set_speed(14.1, 0.5);
+    assert!((flight.speed_demand_mps() - 11.0).abs() < 1e-9);
+}
+
+#[test]
 fn loiter_circles_where_it_was_entered() {
     let mut flight = Flight::new(&settings());
     fly(&mut flight, 3.0);
