@@ -110,8 +110,8 @@ fn a_px4_plane_turns_and_climbs_as_a_px4() {
 
 #[test]
 fn load_factors_are_those_of_an_arduplane_when_it_has_them() {
-    // One of five planes that were told a speed and a course each second: course, rad, airspeed that its autopilot asked
-    // for, m/s, and the load factor that it measured less that of a level turn with its bank, ten times a second.
+    // One of five planes that were told a speed and a course each second: course, rad, airspeed that its autopilot
+    // asked for, m/s, and the load factor that it measured less that of a level turn with its bank, ten times a second.
     let record = include_str!("real-swings.txt").lines().map(|line| {
         let values: Vec<f64> = line.split(' ').map(|value| value.parse().unwrap()).collect();
         (values[0], values[1], values[2])

@@ -90,8 +90,8 @@ mod tests {
 
     #[test]
     fn a_rate_is_whole_steps() {
-        // Recorded of an ArduPlane 4.7: told 0.092 m/s2 its demand stood still, told 0.162 and 0.189 it rose by 0.1, told
-        // -0.301 it fell by 0.4.
+        // Recorded of an ArduPlane 4.7: told 0.092 m/s2 its demand stood still, told 0.162 and 0.189 it rose by 0.1,
+        // told -0.301 it fell by 0.4.
         for (told_mps2, rises, moves_mps2) in [
             (0.092, true, 0.0),
             (0.162, true, 0.1),

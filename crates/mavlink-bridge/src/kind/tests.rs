@@ -93,8 +93,8 @@ fn arduplane_is_told_to_change_its_speed_as_gently_as_the_change_is_small() {
     let frame = LocalFrame::new(ORIGIN);
     let situation = Situation { speed_demand_mps: Some(19.0), ..situation(&frame, &dynamics) };
     let driver = Driver::new(AutopilotKind::ArduPlane, None);
-    // The model's own limit, a quarter of the change in a second, and the least: in whole steps of 0.1 m/s2, half a step
-    // more where the demand rises, and less where it falls.
+    // The model's own limit, a quarter of the change in a second, and the least: in whole steps of 0.1 m/s2, half a
+    // step more where the demand rises, and less where it falls.
     for (speed_mps, acceleration_mps2) in [(14.0, 0.35), (18.2, 0.15), (19.8, 0.25), (19.1, 0.15), (18.9, 0.05)] {
         let sent = driver.setpoint(TARGET, &setpoint(speed_mps, 0.0, 50.0), &situation).unwrap();
         let speed = int(&sent[1]);

@@ -79,8 +79,8 @@ impl Autopilot {
         }
     }
 
-    /// Param 1: type, only airspeed (0). Param 2: m/s. Param 3: acceleration in m/s2, 0 for at once, its sign ignored. An
-    /// ArduPlane moves its demand by whole centimetres per second ten times a second.
+    /// Param 1: type, only airspeed (0). Param 2: m/s. Param 3: acceleration in m/s2, 0 for at once, its sign ignored.
+    /// An ArduPlane moves its demand by whole centimetres per second ten times a second.
     pub(crate) fn guided_speed(&mut self, [kind, speed_mps, acceleration_mps2]: [f32; 3]) -> Result<(), CommandError> {
         self.check_guided_command("Speed")?;
         check_finite("Speed", &[kind, speed_mps, acceleration_mps2])?;

@@ -16,8 +16,8 @@ const GAP_MAX_S: f64 = 0.3;
 const JUMP_MPS: f64 = 3.0;
 /// A vehicle that is slower than this is left as it is told: the direction of its velocity means nothing, m/s.
 const MOVES_MPS: f64 = 1.0;
-/// A simulator's clock falls behind by no more than this where the machine keeps up: what is estimated beyond is a burst
-/// of late messages.
+/// A simulator's clock falls behind by no more than this where the machine keeps up: what is estimated beyond is a
+/// burst of late messages.
 const DRIFT_MAX: f64 = 0.03;
 
 /// The difference of told velocities from the way of told positions, smoothed.

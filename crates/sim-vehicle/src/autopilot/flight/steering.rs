@@ -11,8 +11,8 @@ use mavlink_bridge::kind::gentle_rate_mps2;
 use nalgebra::Vector2;
 
 impl Flight {
-    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once) from where the demand
-    /// is now.
+    /// Airspeed setpoint, m/s, reached at no more than an acceleration in m/s2 (infinite: at once) from where the
+    /// demand is now.
     pub fn set_speed(&mut self, speed_mps: f64, acceleration_mps2: f64) {
         let value = if acceleration_mps2.is_finite() { self.speed_demand_mps() } else { speed_mps };
         self.speed_is_over_ground = false;
@@ -30,8 +30,8 @@ impl Flight {
         }
     }
 
-    /// The airspeed that it asks of itself at present, m/s. One that was asked for over ground, or before it flew, counts
-    /// as the airspeed that it has.
+    /// The airspeed that it asks of itself at present, m/s. One that was asked for over ground, or before it flew,
+    /// counts as the airspeed that it has.
     pub fn speed_demand_mps(&self) -> f64 {
         let is_demanded = self.contact == Contact::Air && !self.speed_is_over_ground;
         if is_demanded { self.speed.value } else { self.airspeed_when_released_mps() }
