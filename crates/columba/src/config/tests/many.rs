@@ -7,6 +7,11 @@ fn no_vehicle() -> String {
     GOOD.replacen("[[vehicle]]\nx_m = 0.0\ny_m = 0.0\naltitude_m = 50.0\nspeed_mps = 10.0\n", "", 1)
 }
 
+/// A scenario of so many vehicles with a table `[link]`.
+fn many(count: usize, link: &str) -> String {
+    format!("{}[vehicles]\ncount = {count}\n[link]\n{link}\n", no_vehicle())
+}
+
 /// ArduPilot's own example.
 const SWARM: &str = "#instance=East,North,Up(Offset in meters),Absolute Heading\n1=20,20,0,90\n2=40,0,0,45\n\
                      3=-20,-20,0,225\n4=-80,0,20,0\n5=0,-100,-10,0\n";
@@ -97,7 +102,6 @@ fn flags_stand_in_for_the_files_vehicles() {
 
 #[test]
 fn ports_of_groups_and_networks_are_counted() {
-    let many = |count: usize, link: &str| format!("{}[vehicles]\ncount = {count}\n[link]\n{link}\n", no_vehicle());
     for (count, link, words) in [
         (251, "vehicle_port = 65300", "link.vehicle_port = 65300: must be at most 65285 for 251 vehicles"),
         (251, "ground_port = 65535", "link.ground_port = 65535: must be at most 65534 for 2 networks"),
