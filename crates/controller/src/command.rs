@@ -16,7 +16,7 @@ const COURSE_CHANGE_MAX_RAD: f64 = 2.8;
 /// in two, less a reserve for a speed that is not known exactly.
 const COURSE_STEP_TICKS: f64 = 1.85;
 
-/// A command's airspeed is at least this times the wind against it.
+/// The airspeed of an evasion is at least this times the wind against it.
 const HEAD_WIND_FACTOR: f64 = 1.5;
 
 /// What a command still asks for, while it stands.
@@ -148,18 +148,22 @@ impl Commander {
     }
 
     /// A setpoint of airspeed and heading as one of speed and course over ground.
-    ///
-    /// Slower than the wind against it the vehicle would be carried backwards, on a course that says nothing of its
-    /// heading: it would turn the other way to fly it. So the airspeed is at least half as much again as the head wind.
     pub fn over_ground(&self, setpoint: &Setpoint, wind: &Wind) -> Setpoint {
         if wind.is_calm() {
             return *setpoint;
         }
-        let head_wind_mps = -wind.horizontal_mps().dot(&course_vector(setpoint.course_rad));
-        let forward_mps = (HEAD_WIND_FACTOR * head_wind_mps).min(self.speed_max_mps);
-        let speed_mps = self.speed_mps(setpoint).max(forward_mps);
-        let settled = Setpoint { speed_mps, ..*setpoint }.over_ground(wind);
+        let settled = Setpoint { speed_mps: self.speed_mps(setpoint), ..*setpoint }.over_ground(wind);
         Setpoint { speed_mps: self.asked_mps(settled.speed_mps), ..settled }
+    }
+
+    /// A setpoint of airspeed and heading that leads forwards over ground.
+    ///
+    /// Slower than the wind against it the vehicle would be carried backwards, on a course that says nothing of its
+    /// heading: it would turn the other way to fly it. So the airspeed is at least half as much again as the head wind.
+    pub fn forwards(&self, setpoint: &Setpoint, wind: &Wind) -> Setpoint {
+        let head_wind_mps = -wind.horizontal_mps().dot(&course_vector(setpoint.course_rad));
+        let least_mps = (HEAD_WIND_FACTOR * head_wind_mps).min(self.speed_max_mps);
+        Setpoint { speed_mps: setpoint.speed_mps.max(self.asked_mps(least_mps)), ..*setpoint }
     }
 
     /// Greatest course change that the vehicle can follow below its limit of turn rate, rad; the faster it is or gets
@@ -212,12 +216,12 @@ mod tests {
         // As slow as it flies, hard to the left, into a gust of 6.6 m/s: carried backwards, it would turn to the right.
         let command = Setpoint { speed_mps: 5.0, course_rad: 1.64, altitude_m: 50.0 };
         let wind = Wind { east_mps: -6.65, ..Wind::CALM };
-        let over_ground = commander.over_ground(&command, &wind);
+        let over_ground = commander.over_ground(&commander.forwards(&command, &wind), &wind);
         assert!((over_ground.course_rad - 1.64).abs() < 0.3 && over_ground.speed_mps > 3.0, "{over_ground:?}");
-        // Any other is what it settles on.
+        // Any other stays what it is.
         let fast = Setpoint { speed_mps: 12.0, ..command };
-        let back = commander.in_air(&commander.over_ground(&fast, &wind), &wind);
-        assert!((back.speed_mps - 12.0).abs() < 1e-9 && (back.course_rad - 1.64).abs() < 1e-9);
+        assert_eq!(commander.forwards(&fast, &wind), fast);
+        assert_eq!(commander.forwards(&command, &Wind::CALM), command);
     }
 
     #[test]

@@ -190,7 +190,7 @@ impl Pilot {
         let course_rad = wrap_pi(air.course_rad + evasion.course_change_rad);
         let speed_mps = self.commander.asked_mps(evasion.speed_setpoint_mps);
         let setpoint = Setpoint { speed_mps, course_rad, ..decision.setpoint };
-        let setpoint = self.commander.over_ground(&setpoint, &wind);
+        let setpoint = self.commander.over_ground(&self.commander.forwards(&setpoint, &wind), &wind);
         Decision { setpoint, feasible: evasion.violation_m <= 0.0, ..decision }
     }
 }
