@@ -1,6 +1,6 @@
-//! Parameters that a vehicle keeps for its clients and does not use: those of the stock autopilot and of parameter files
-//! that this simulation has nothing for, such as `THR_MIN` or `RC1_MIN`. Scripts list, read and set them, and nothing
-//! else depends on them.
+//! Parameters that a vehicle keeps for its clients and does not use: those of the stock autopilot and of parameter
+//! files that this simulation has nothing for, such as `THR_MIN` or `RC1_MIN`. Scripts list, read and set them, and
+//! nothing else depends on them.
 
 use super::file::ParameterEntry;
 use super::whole;

@@ -10,8 +10,9 @@ use mavlink_bridge::dialect::{
 const I16: std::ops::RangeInclusive<f64> = -32_768.0..=32_767.0;
 
 impl Instruments<'_> {
-    /// AUTOPILOT_STATE_FOR_GIMBAL_DEVICE (<https://mavlink.io/en/messages/common.html#AUTOPILOT_STATE_FOR_GIMBAL_DEVICE>),
-    /// to all gimbals: where it thinks it is, m/s and rad.
+    /// [`AUTOPILOT_STATE_FOR_GIMBAL_DEVICE`][page], to all gimbals: where it thinks it is, m/s and rad.
+    ///
+    /// [page]: https://mavlink.io/en/messages/common.html#AUTOPILOT_STATE_FOR_GIMBAL_DEVICE
     pub(super) fn state_for_gimbal(&self) -> Message {
         let state = self.flight.estimate();
         let velocity_mps = state.velocity_mps();
