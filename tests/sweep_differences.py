@@ -35,10 +35,6 @@ KNOWN = {
             "int 192",
         ],
         "DO_GRIPPER is UNSUPPORTED: there is no gripper.": ["long 211", "int 211"],
-        "HIL_STATE_QUATERNION and AUTOPILOT_STATE_FOR_GIMBAL_DEVICE have no content: they are DENIED.": [
-            "request 115",
-            "request 286",
-        ],
         "Figures of eight (DO_FIGURE_EIGHT) are not flown, and UNSUPPORTED.": ["long 35", "int 35"],
         "DO_SET_GLOBAL_ORIGIN is DENIED: the origin is the scenario's.": ["long 611", "int 611"],
         "GNSS_INTEGRITY, the messages of Open Drone ID and those of a transponder have no content: they are DENIED.": [

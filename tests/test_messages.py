@@ -122,6 +122,23 @@ UNASKED = """
 """.split()
 
 
+def test_a_px4_tells_a_gimbal_and_a_simulator_where_it_is(start_vehicles, scenario):
+    craft = start_vehicles(scenario(), "--personality", "px4", "--speed", 5).connect()[0]
+    place = craft.wait(["GLOBAL_POSITION_INT"])
+    result, hil = answer(craft, ardupilotmega.MAVLINK_MSG_ID_HIL_STATE_QUATERNION)
+    assert result == ACCEPTED
+    speed = math.hypot(hil.vx, hil.vy)
+    assert (speed, hil.ind_airspeed, hil.true_airspeed) == pytest.approx((1000, 1000, 1000), abs=20)
+    assert hil.alt == pytest.approx(place.alt, abs=500) and math.hypot(*hil.attitude_quaternion) == pytest.approx(1)
+    # At rest in the air, up is felt as one g.
+    assert hil.zacc < -900
+    result, gimbal = answer(craft, mavlink.MAVLINK_MSG_ID_AUTOPILOT_STATE_FOR_GIMBAL_DEVICE)
+    assert result == ACCEPTED
+    assert math.hypot(gimbal.vx, gimbal.vy) == pytest.approx(10, abs=0.2) and math.hypot(*gimbal.q) == pytest.approx(1)
+    assert (gimbal.landed_state, gimbal.target_system) == (mavlink.MAV_LANDED_STATE_IN_AIR, 0)
+    assert gimbal.estimator_status and gimbal.time_boot_us > 0
+
+
 def test_a_px4_tells_unasked_what_a_real_one_does(start_vehicles, scenario):
     craft = start_vehicles(scenario(), "--personality", "px4", "--speed", 5).connect()[0]
     missing = set(UNASKED)

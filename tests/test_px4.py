@@ -271,6 +271,45 @@ def test_altitudes_are_for_hold_and_guided_course(px4):
     assert px4.text().text == "Altitude: mode is Return"
 
 
+def test_a_return_climbs_comes_down_over_home_and_says_so(start_px4):
+    """As a real one from 60 m: RTL_RETURN_ALT is the least altitude on the way, RTL_DESCEND_ALT the one at its end."""
+    px4 = start_px4(speed=10)
+    write(px4, "RTL_DESCEND_ALT", 70.0, mavlink.MAV_PARAM_TYPE_REAL32)
+    assert read(px4, "RTL_RETURN_ALT").param_value == 100
+    assert set_mode(px4, AUTO, RETURN) == ACCEPTED
+    # Home is 50 m above the sea.
+    assert px4.text().text == "RTL: start return at 150 m (100 m above destination)"
+    assert px4.text().text == "RTL: completed, loitering"
+    heights = [sample.altitude_m for sample in px4.samples(20)]
+    assert heights[-1] == pytest.approx(70, abs=0.5)
+    # From higher up it does not come down on the way.
+    assert set_mode(px4, AUTO, HOLD) == ACCEPTED
+    write(px4, "RTL_RETURN_ALT", 30.0, mavlink.MAV_PARAM_TYPE_REAL32)
+    assert set_mode(px4, AUTO, RETURN) == ACCEPTED
+    assert px4.text().text == "RTL: start return at 120 m (70 m above destination)"
+
+
+def test_limits_round_and_above_home_are_told_in_px4s_words(px4):
+    """GF_MAX_HOR_DIST and GF_MAX_VER_DIST; 0, as at first, is none."""
+    reals = {name: read(px4, name).param_value for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")}
+    assert reals == {"GF_MAX_HOR_DIST": 0, "GF_MAX_VER_DIST": 0}
+    assert set_mode(px4, AUTO, RETURN) == ACCEPTED
+    assert px4.text().text.startswith("RTL: start return at ")
+    write(px4, "GF_MAX_VER_DIST", 40.0, mavlink.MAV_PARAM_TYPE_REAL32)
+    said = [px4.text() for _ in range(2)]
+    assert [text.text for text in said] == ["Geofence: exceeding maximum altitude above Home", "Failsafe activated"]
+    assert {text.severity for text in said} == {mavlink.MAV_SEVERITY_CRITICAL}
+    assert px4.mode() == in_auto(HOLD), "GF_ACTION is 2"
+    write(px4, "GF_MAX_VER_DIST", 0.0, mavlink.MAV_PARAM_TYPE_REAL32)
+    write(px4, "GF_MAX_HOR_DIST", 400.0, mavlink.MAV_PARAM_TYPE_REAL32)
+    place = px4.wait(["GLOBAL_POSITION_INT"])
+    px4.link.mav.command_int_send(
+        px4.system, px4.component, mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_CMD_DO_REPOSITION, 0, 0,
+        -1, 1, 0, NAN, place.lat + 60_000, place.lon, 120,
+    )  # fmt: skip
+    assert px4.text().text == "Reposition is outside geofence"
+
+
 def test_reposition_holds_elsewhere(px4):
     px4.command_long(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH)
     assert px4.command_int(mavlink.MAV_CMD_DO_REPOSITION, -1, 0, 0, NAN, z=120) == DENIED

@@ -3,8 +3,9 @@
 
 use super::Autopilot;
 use super::arming::Cause;
-use super::habits::ends_a_flight;
+use super::habits::{Homing, Stage, ends_a_flight};
 use super::timer::Timer;
+use crate::error::Severity;
 use crate::mode::Mode;
 use crate::parameters::table::Parameter;
 
@@ -34,6 +35,41 @@ impl Autopilot {
             }
         }
         false
+    }
+
+    /// The mode has changed, to a return or another: no lower than RTL_RETURN_ALT above its destination, and no lower
+    /// than it is.
+    pub(super) fn begin_return(&mut self) {
+        let returns = self.rules.climbs_to_return && self.mode() == Mode::Rtl;
+        let destination_m = || self.best_rally().map_or(self.flight.home().altitude_m, |rally| rally.altitude_m);
+        let homing = returns.then(|| Homing { altitude_m: destination_m(), stage: Stage::OnTheWay });
+        if let Some(Homing { altitude_m, .. }) = homing {
+            let least_m = altitude_m + f64::from(self.parameters.get(Parameter::RtlAltitude));
+            self.flight.set_altitude(least_m.max(self.flight.estimate().altitude_m), f64::INFINITY);
+        }
+        self.session.habits.set_homing(homing);
+    }
+
+    /// Where a return ends, it goes down to RTL_DESCEND_ALT, circles and says so.
+    pub(super) fn follow_return(&mut self) {
+        let Some(mut homing) = self.session.habits.homing() else { return };
+        let Some((at, radius_m)) = self.flight.circled() else { return };
+        let near_m = f64::from(self.parameters.get(Parameter::WaypointRadius));
+        match homing.stage {
+            Stage::OnTheWay if self.flight.distance_m(at) <= radius_m.abs() + near_m => {
+                let down_m = homing.altitude_m + f64::from(self.parameters.get(Parameter::ReturnDescentAltitude));
+                self.flight.set_altitude(down_m.min(self.flight.target_altitude_m()), f64::INFINITY);
+                homing.stage = Stage::Descending;
+            }
+            Stage::Descending if self.flight.altitude_error_m() <= near_m => {
+                if let Some(text) = self.rules.words.returned {
+                    self.say(Severity::Info, text);
+                }
+                homing.stage = Stage::Over;
+            }
+            Stage::OnTheWay | Stage::Descending | Stage::Over => return,
+        }
+        self.session.habits.set_homing(Some(homing));
     }
 
     /// Take-off is over when it circles at its altitude, round the place that came with it.

@@ -13,6 +13,24 @@ pub(crate) struct Habits {
     takeoff_place: Option<Vector2<f64>>,
     /// The mode that it is in again when a landing has disarmed it: the last one that can be armed in.
     mode_to_restore: Option<Mode>,
+    /// How far a return is, if it is returning.
+    homing: Option<Homing>,
+}
+
+/// A return, to a place of an altitude in m above the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Homing {
+    pub altitude_m: f64,
+    pub stage: Stage,
+}
+
+/// Where a return is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Stage {
+    OnTheWay,
+    /// Over its destination, on the way down.
+    Descending,
+    Over,
 }
 
 impl Habits {
@@ -41,6 +59,15 @@ impl Habits {
 
     pub fn set_takeoff_place(&mut self, place: Option<Vector2<f64>>) {
         self.takeoff_place = place;
+    }
+
+    /// How far a return is, if it is returning.
+    pub fn homing(&self) -> Option<Homing> {
+        self.homing
+    }
+
+    pub fn set_homing(&mut self, homing: Option<Homing>) {
+        self.homing = homing;
     }
 
     pub fn restore_later(&mut self, mode: Mode) {

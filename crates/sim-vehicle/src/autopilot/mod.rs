@@ -256,6 +256,9 @@ impl Autopilot {
             self.session.progress.look_for_landing_again();
         }
         self.flight.set_mode(mode);
+        if is_new {
+            self.begin_return();
+        }
         if is_new && self.flight.is_armed() {
             match mode {
                 Mode::Auto => self.tell_mission_begins(),
@@ -265,7 +268,7 @@ impl Autopilot {
         }
         if is_new {
             let session = &mut self.session;
-            session.fence.mode_changed(self.time, &mut session.timers, &mut self.events);
+            session.fence.mode_changed(self.rules, self.time, &mut session.timers, &mut self.events);
         }
         self.session.failsafes.mode_set();
         self.restart_setpoint_timeout();

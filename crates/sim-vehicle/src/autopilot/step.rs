@@ -59,6 +59,7 @@ impl Autopilot {
             return;
         }
         self.hold_after_take_off();
+        self.follow_return();
         let (now, session, _) = self.split();
         if let Some(proposal) = session.failsafes.streams.check_offboard(&now, &session.timers) {
             self.act(proposal);

@@ -99,6 +99,10 @@ pub(crate) struct Rules {
     // Arming and flying.
     pub words: Words,
     pub fence_forbids_arming: bool,
+    /// Whether a fence at a distance of 0 is none.
+    pub fence_of_no_distance_is_none: bool,
+    /// Whether the altitude of a return is the least one on the way, and where it ends it goes down to another.
+    pub climbs_to_return: bool,
     /// What a value of FENCE_ACTION brings about; none: words alone.
     pub fence_action: fn(u8) -> Option<Mode>,
     /// Whether it says unasked what stands against arming.

@@ -1,6 +1,7 @@
 //! What an autopilot says of what it does by itself, in its own words.
 
 use crate::autopilot::arming::Cause;
+use crate::autopilot::fence::kinds::{CIRCLE, Kinds, MAX_ALTITUDE, POLYGON};
 
 /// The words of one autopilot.
 #[derive(Debug)]
@@ -15,6 +16,12 @@ pub(crate) struct Words {
     pub mission_begins: Option<&'static str>,
     /// That it returns: at which altitude, in whole metres above the sea and above where it returns to.
     pub returns: Option<fn(i64, i64) -> String>,
+    /// That a fence of a kind is breached, and that what follows has begun; none: all kinds in one line, and when they
+    /// are breached no more.
+    pub breach: Option<[(Kinds, &'static str); 3]>,
+    pub failsafe: Option<&'static str>,
+    /// That a return is over.
+    pub returned: Option<&'static str>,
     /// Whether each item of a mission is told when it begins and when it ends.
     pub narrates_missions: bool,
     /// That a mission is over: why, whether it is on the ground, and the name of the mode that follows.
@@ -28,11 +35,14 @@ pub(super) const ARDUPLANE: Words = Words {
     contact: None,
     mission_begins: None,
     returns: None,
+    breach: None,
+    failsafe: None,
+    returned: None,
     narrates_missions: true,
     mission_ends: |why, _, next| format!("{why}, changing mode to {next}"),
 };
 
-/// `Commander.cpp` and `mission_base.cpp`.
+/// `Commander.cpp`, `mission_base.cpp`, `geofenceCheck.cpp` and `rtl_direct.cpp`.
 pub(super) const PX4: Words = Words {
     armed: |cause| match cause {
         Cause::MissionStart => "Armed by mission start",
@@ -47,6 +57,13 @@ pub(super) const PX4: Words = Words {
     contact: Some(["Takeoff detected", "Landing detected"]),
     mission_begins: Some("Executing Mission"),
     returns: Some(|sea_m, above_m| format!("RTL: start return at {sea_m} m ({above_m} m above destination)")),
+    breach: Some([
+        (CIRCLE, "Geofence: exceeding maximum distance to Home"),
+        (MAX_ALTITUDE, "Geofence: exceeding maximum altitude above Home"),
+        (POLYGON, "Geofence: approaching or outside geofence"),
+    ]),
+    failsafe: Some("Failsafe activated"),
+    returned: Some("RTL: completed, loitering"),
     narrates_missions: false,
     mission_ends: |why, is_on_ground, _| {
         let text = match (why == crate::autopilot::MISSION_COMPLETE, is_on_ground) {

@@ -99,6 +99,11 @@ impl Parameters {
         }
     }
 
+    /// Those of the autopilot that has them.
+    pub fn rules(&self) -> &'static Rules {
+        self.rules
+    }
+
     /// The airspeed of modes that need nobody, where the settings have one, m/s.
     pub fn cruise_speed_mps(&self) -> Option<f64> {
         self.cruise_speed_mps

@@ -279,6 +279,8 @@ parameters! {
     // PX4's own default. Its airframes of fixed wings have 2, which refuses missions that end in the air.
     MissionRequirements: "MIS_TKO_LAND_REQ", INT32, |_| 0.0, |_| (0.0, 5.0), Effect::LookedUp;
     FirstWaypointDistance: "MIS_DIST_1WP", REAL, |_| 10_000.0, |_| (-1.0, 100_000.0), Effect::LookedUp;
+    // What airframes of fixed wings set (`rc.fw_defaults`).
+    ReturnDescentAltitude: "RTL_DESCEND_ALT", REAL, |_| 100.0, |_| (0.0, 10_000.0), Effect::LookedUp;
     LandingAngle: "FW_LND_ANG", REAL, |_| 5.0, |_| (1.0, 45.0), Effect::LookedUp;
 }
 
@@ -332,5 +334,6 @@ pub(crate) const OF_PX4_ALONE: &[Parameter] = &[
     Parameter::FailureInjection,
     Parameter::MissionRequirements,
     Parameter::FirstWaypointDistance,
+    Parameter::ReturnDescentAltitude,
     Parameter::LandingAngle,
 ];

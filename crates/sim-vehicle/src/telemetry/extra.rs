@@ -52,6 +52,8 @@ impl Instruments<'_> {
             Stream::ScaledImu3 => self.scaled_imu_3(),
             Stream::ScaledPressure2 => self.scaled_pressure_2(),
             Stream::SimState => self.sim_state(),
+            Stream::HilStateQuaternion => self.hil_state_quaternion(),
+            Stream::AutopilotStateForGimbalDevice => self.state_for_gimbal(),
             Stream::PowerStatus => Message::POWER_STATUS(POWER_STATUS_DATA {
                 Vcc: BOARD_MV,
                 Vservo: 0,
@@ -110,7 +112,7 @@ impl Instruments<'_> {
         })
     }
 
-    fn micros(&self) -> u64 {
+    pub(super) fn micros(&self) -> u64 {
         u64::try_from(self.time.as_micros()).unwrap_or(u64::MAX)
     }
 

@@ -6,6 +6,7 @@
 pub(crate) mod announce;
 mod extra;
 mod navigation;
+mod peripherals;
 pub(crate) mod rates;
 mod sensors;
 pub(crate) mod streams;

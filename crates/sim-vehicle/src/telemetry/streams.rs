@@ -88,6 +88,8 @@ streams! {
     ActuatorOutputStatus = 375,
     RelayStatus = 376,
     CurrentMode = 436,
+    HilStateQuaternion = 115,
+    AutopilotStateForGimbalDevice = 286,
     AoaSsa = 11_020,
     LocalPositionNed = 32,
 }

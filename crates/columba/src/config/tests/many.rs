@@ -128,7 +128,8 @@ fn ports_of_groups_and_networks_are_counted() {
 
 #[test]
 fn vehicles_on_an_autopilots_ports_have_its_parameters() {
-    let has = |link: &str, rest: &str| load_text(&format!("{}{rest}", many(2, link)), &[]).unwrap().stock_parameters;
+    let file = |link: &str, rest: &str| format!("{}[vehicles]\ncount = 2\n[link]\n{link}\n{rest}", no_vehicle());
+    let has = |link: &str, rest: &str| load_text(&file(link, rest), &[]).unwrap().stock_parameters;
     assert!(!has("", ""));
     assert!(has("ports = \"ardupilot\"", "") && has("ports = \"px4\"", "\n[autopilot]\npersonality = \"px4\""));
     assert!(has("", "\n[parameters]\nstock = true"));

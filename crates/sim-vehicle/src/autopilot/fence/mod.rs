@@ -10,9 +10,10 @@ mod points;
 
 use crate::error::PlanError;
 use crate::parameters::Parameters;
+use crate::parameters::table::Parameter;
 use area::{Area, Place};
 use flight_model::{LocalFrame, State};
-use kinds::{ALL, Kinds, POLYGON, configured, inclusions_are_one};
+use kinds::{ALL, CIRCLE, Kinds, MAX_ALTITUDE, POLYGON, configured, inclusions_are_one};
 use mavlink_bridge::PlanItem;
 
 /// The fence on board, as it was uploaded. What has happened with it is the [monitor](monitor::FenceMonitor)'s.
@@ -68,7 +69,14 @@ impl Fence {
 
     /// The kinds that are asked for and that there are.
     fn present(&self, parameters: &Parameters) -> Kinds {
-        let there = if self.area.is_open() { ALL & !POLYGON } else { ALL };
+        let mut there = if self.area.is_open() { ALL & !POLYGON } else { ALL };
+        if parameters.rules().fence_of_no_distance_is_none {
+            for (kind, distance) in [(CIRCLE, Parameter::FenceRadius), (MAX_ALTITUDE, Parameter::FenceAltitudeMax)] {
+                if parameters.get(distance) == 0.0 {
+                    there &= !kind;
+                }
+            }
+        }
         configured(parameters) & there
     }
 

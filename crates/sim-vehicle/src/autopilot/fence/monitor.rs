@@ -8,6 +8,7 @@ use crate::autopilot::failsafe::proposal::{Action, Cause, Proposal};
 use crate::autopilot::situation::Situation;
 use crate::autopilot::timer::{Timer, Timers};
 use crate::error::{CommandError, Severity};
+use crate::firmware::rules::Rules;
 use crate::mode::Mode;
 use crate::parameters::Parameters;
 use crate::parameters::table::Parameter;
@@ -199,9 +200,9 @@ impl FenceMonitor {
     }
 
     /// The mode has been changed: a pilot outside the fence has some time to come back.
-    pub fn mode_changed(&mut self, time: Duration, timers: &mut Timers, events: &mut Events) {
+    pub fn mode_changed(&mut self, rules: &Rules, time: Duration, timers: &mut Timers, events: &mut Events) {
         self.recovery = None;
-        if self.breached != 0 {
+        if self.breached != 0 && rules.words.breach.is_none() {
             timers.set(Timer::ManualRecovery, time + MANUAL_RECOVERY);
             events.say(Severity::Info, "Manual recovery started");
         }
@@ -219,7 +220,7 @@ impl FenceMonitor {
     pub fn within_altitudes_m(&self, wanted_m: f64, now: &Situation<'_>) -> f64 {
         let (least_m, most_m) = altitudes_inside_m(now.parameters);
         let home_m = now.flight.home().altitude_m;
-        let counts = |kind: Kinds| self.enabled & kind != 0;
+        let counts = |kind: Kinds| self.enabled & now.fence.present(now.parameters) & kind != 0;
         let mut altitude_m = wanted_m;
         if counts(MAX_ALTITUDE) {
             altitude_m = altitude_m.min(home_m + most_m);
@@ -272,12 +273,16 @@ impl FenceMonitor {
             return None;
         }
         if fresh != 0 {
-            tell("breached", fresh, events);
+            tell_breach(fresh, now, events);
             if !self.is_in_recovery(now.mode()) {
                 let mode = (now.rules.fence_action)(now.get(Parameter::FenceAction) as u8);
-                return mode.map(|mode| Proposal::new(Cause::Fence, Action::Mode(mode)));
+                let proposal = mode.map(|mode| Proposal::new(Cause::Fence, Action::Mode(mode)));
+                return match now.rules.words.failsafe {
+                    Some(text) => proposal.map(|proposal| proposal.saying(Severity::Critical, text)),
+                    None => proposal,
+                };
             }
-        } else if before != 0 && self.breached == 0 {
+        } else if before != 0 && self.breached == 0 && now.rules.words.breach.is_none() {
             events.say(Severity::Notice, "Fence breach cleared");
         }
         None
@@ -385,6 +390,15 @@ pub(crate) fn altitudes_inside_m(parameters: &Parameters) -> (f64, f64) {
 
 fn distance_m(state: &State, place: Place) -> f64 {
     (state.position_m() - place).norm()
+}
+
+/// A PX4 says what is breached only if something is to follow, be it words.
+fn tell_breach(kinds: Kinds, now: &Situation<'_>, events: &mut Events) {
+    let Some(words) = &now.rules.words.breach else { return tell("breached", kinds, events) };
+    let is_told = now.get(Parameter::FenceAction) != 0.0;
+    for (_, text) in words.iter().filter(|(kind, _)| is_told && kinds & kind != 0) {
+        events.say(Severity::Critical, *text);
+    }
 }
 
 fn tell(what: &str, kinds: Kinds, events: &mut Events) {

@@ -11,7 +11,7 @@ pub(crate) struct Tuning {
     pub loiter_radius_m: f64,
     /// The same for the circle round home.
     pub rtl_radius_m: f64,
-    /// Altitude of the way home, m above it; none: the present one.
+    /// Altitude of the way home, m above it; none: the present one, or the one that it climbs to by itself.
     pub rtl_altitude_m: Option<f64>,
     /// Altitude to which TAKEOFF climbs, m above home.
     pub takeoff_altitude_m: f64,
@@ -35,7 +35,8 @@ impl Tuning {
         Self {
             loiter_radius_m,
             rtl_radius_m: set(Parameter::RtlRadius).filter(|radius_m| *radius_m != 0.0).unwrap_or(loiter_radius_m),
-            rtl_altitude_m: set(Parameter::RtlAltitude).filter(|altitude_m| *altitude_m >= 0.0),
+            rtl_altitude_m: set(Parameter::RtlAltitude)
+                .filter(|altitude_m| *altitude_m >= 0.0 && !parameters.rules().climbs_to_return),
             takeoff_altitude_m: f64::from(parameters.get(Parameter::TakeoffAltitude)),
             cruise_speed_mps: set(Parameter::AirspeedCruise).or(parameters.cruise_speed_mps()),
             climb_max_mps: set(Parameter::ClimbMax).unwrap_or(f64::INFINITY),

@@ -44,7 +44,7 @@ const WITHOUT_CONTENT: [(u16, &str); 34] = [
 ];
 
 /// Messages of other autopilots.
-const UNKNOWN: [u16; 8] = [4, 69, 93, 111, 230, 261, 375, 436];
+const UNKNOWN: [u16; 9] = [4, 69, 93, 111, 115, 230, 261, 375, 436];
 
 /// A message as an ArduPlane offers it.
 pub(in crate::firmware) fn offer(message_id: u32) -> Offer {

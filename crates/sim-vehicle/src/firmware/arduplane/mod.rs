@@ -44,6 +44,8 @@ pub(super) const RULES: Rules = Rules {
 
     words: words::ARDUPLANE,
     fence_forbids_arming: true,
+    fence_of_no_distance_is_none: false,
+    climbs_to_return: false,
     fence_action,
     tells_arming_reason: true,
     has_switches: true,

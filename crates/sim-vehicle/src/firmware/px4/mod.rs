@@ -51,6 +51,8 @@ pub(super) const RULES: Rules = Rules {
 
     words: words::PX4,
     fence_forbids_arming: false,
+    fence_of_no_distance_is_none: true,
+    climbs_to_return: true,
     fence_action,
     tells_arming_reason: false,
     has_switches: false,
@@ -82,9 +84,14 @@ pub(super) const RULES: Rules = Rules {
         // Its fence counts as soon as it is uploaded.
         (Parameter::FenceEnable, 1.0),
         (Parameter::FenceAction, 2.0),
+        // All kinds, of which those count that have a distance.
+        (Parameter::FenceType, 7.0),
+        (Parameter::FenceRadius, 0.0),
+        (Parameter::FenceAltitudeMax, 0.0),
         // What airframes of fixed wings set (`rc.fw_defaults`).
         (Parameter::WaypointRadius, 10.0),
         (Parameter::TakeoffAltitude, 25.0),
+        (Parameter::RtlAltitude, 100.0),
         (Parameter::PreflightDisarmDelay, -1.0),
     ],
     bytewise_parameters: true,

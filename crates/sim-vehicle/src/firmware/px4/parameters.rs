@@ -69,6 +69,8 @@ const NAMES: &[(Parameter, &str, MavParamType)] = &[
     (Parameter::TakeoffAltitude, "MIS_TAKEOFF_ALT", REAL),
     (Parameter::DisarmDelay, "COM_DISARM_LAND", REAL),
     (Parameter::FenceAction, "GF_ACTION", INT32),
+    (Parameter::FenceRadius, "GF_MAX_HOR_DIST", REAL),
+    (Parameter::FenceAltitudeMax, "GF_MAX_VER_DIST", REAL),
 ];
 
 /// PX4's name and type of a parameter.
