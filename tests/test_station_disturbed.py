@@ -14,6 +14,8 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from test_station import field, one, start_fly, told  # noqa: F401
 
+TAKEOFF = 13
+
 
 def test_one_that_stays_on_the_ground_is_named_and_the_others_wait_near_home(start_fly, start_vehicles, field, one):
     port, scenario = free_port(), field(count=2)
@@ -28,6 +30,20 @@ def test_one_that_stays_on_the_ground_is_named_and_the_others_wait_near_home(sta
     # 100 s at 10 m/s would be a kilometre.
     first = run.trajectory[0]
     assert first["vehicle"] == 1 and max(abs(first["x_m"]), abs(first["y_m"])) < 500
+
+
+def test_one_that_falls_silent_in_its_take_off_is_lost_and_not_on_the_ground(start_fly, start_vehicles, one):
+    port, scenario = free_port(), one(0.0)
+    vehicles = start_vehicles(scenario, "--on-ground", "--speed", 5, ground_port=port)
+    controller = start_fly(scenario, "--speed", 5, "--link", f"udpin:127.0.0.1:{port}", "--patience", 40)
+    vehicles.connect()[0].wait(["HEARTBEAT"], lambda beat: beat.custom_mode == TAKEOFF)
+    vehicles.process.send_signal(signal.SIGSTOP)
+    try:
+        controller.wait_for("is lost: nothing of its position for")
+    finally:
+        vehicles.process.send_signal(signal.SIGCONT)
+    run = controller.end()
+    assert run.status == 1 and "did not leave the ground" not in run.errors
 
 
 def test_one_that_is_not_ready_is_named_and_nobody_is_armed(start_fly, start_vehicles, field, one):

@@ -7,9 +7,7 @@ import tlog
 from conftest import free_port
 from ground import ACCEPTED, CRUISE, LOITER
 from test_station import field, one, start_fly, told  # noqa: F401
-from test_station_disturbed import Stubborn
-
-TAKEOFF = 13
+from test_station_disturbed import TAKEOFF, Stubborn
 
 
 def start(start_fly, start_vehicles, scenario, *options, speed=2):

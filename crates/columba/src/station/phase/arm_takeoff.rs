@@ -4,7 +4,7 @@
 use super::gather::Gather;
 use super::{Phase, gather_phase, handover};
 use crate::station::told::Weight;
-use crate::station::{Station, number};
+use crate::station::{LOST_S, Station, number};
 use flight_model::State;
 use mavlink_bridge::kind::{AutopilotKind, Launch};
 use std::time::Duration;
@@ -61,7 +61,15 @@ impl TakeOff {
                 let answer = vehicle.orders().answer("launch").unwrap_or("no answer");
                 let words = vehicle.heard().words_since(self.began);
                 let words = words.map(|words| format!(", {words}")).unwrap_or_default();
-                let what = if vehicle.heard().armed { "did not leave the ground" } else { "was not armed" };
+                // Where a vehicle is that is not heard, nobody knows.
+                let silent_s = vehicle.age_s(now.as_secs_f64()).filter(|age_s| *age_s > LOST_S);
+                let what = match silent_s {
+                    Some(silent_s) => {
+                        format!("is lost: nothing of its position for {silent_s:.0} s, and was not seen to fly")
+                    }
+                    None if vehicle.heard().armed => "did not leave the ground".to_owned(),
+                    None => "was not armed".to_owned(),
+                };
                 let text = format!("{what} in {} s: {answer}{words}", station.settings.ready_patience.as_secs());
                 station.told.tell(now.as_secs_f64(), Some(number(index)), Weight::Fault, text);
             }
