@@ -32,8 +32,7 @@ impl Station {
             return;
         }
         let Some(vehicle) = self.vehicles.get_mut(index) else { return };
-        let is_catching_up = now < self.catching_up_until && vehicle.orders().has_given(purpose, &message);
-        if !is_catching_up && vehicle.is_due(purpose, &message, now) {
+        if vehicle.is_due(purpose, &message, self.catching_up_until, now) {
             self.send(index, vec![message]);
         }
     }

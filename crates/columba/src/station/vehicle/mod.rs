@@ -22,7 +22,7 @@ use mavlink_bridge::dialect::{AUTOPILOT_VERSION_DATA, GLOBAL_POSITION_INT_DATA, 
 use mavlink_bridge::kind::{AtEnd, AutopilotKind, Driver, Seen, SoftwareVersion, UnflyableKind, VehicleLimits};
 use mavlink_bridge::link::VehicleClock;
 use nalgebra::Vector2;
-use orders::{Orders, Refusal};
+use orders::{ModeHeard, Orders, Refusal};
 use requests::{Carried, Known, Requests};
 use routes::{Route, Routes};
 use std::time::Duration;
@@ -172,9 +172,10 @@ impl Vehicle {
         &self.orders
     }
 
-    /// Takes note of an order that is to be given for a purpose now; whether it is due ([`Orders::give`]).
-    pub fn is_due(&mut self, purpose: &'static str, message: &Message, now: Duration) -> bool {
-        self.orders.give(purpose, message, self.heard.mode_heard, now)
+    /// Takes note of an order that is to be given for a purpose now; whether it is due ([`Orders::give`]). By `all_at`
+    /// all that vehicles told is read.
+    pub fn is_due(&mut self, purpose: &'static str, message: &Message, all_at: Duration, now: Duration) -> bool {
+        self.orders.give(purpose, message, ModeHeard { last: self.heard.mode_heard, all_at }, now)
     }
 
     /// Forgets an order that was followed.

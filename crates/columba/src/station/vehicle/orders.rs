@@ -37,11 +37,20 @@ impl Sent {
         Self { message, at, tries: 1, answer: None }
     }
 
-    /// When it is due again, by when the vehicle last told its mode.
-    fn again_at(&self, heard: Option<Duration>) -> Duration {
-        let is_heard = heard.is_some_and(|heard| heard >= self.at + ORDER_SETTLES);
-        self.at + if is_heard { ORDER_AGAIN } else { ORDER_AGAIN_UNHEARD }
+    /// When it is due again.
+    fn again_at(&self, heard: ModeHeard) -> Duration {
+        let is_heard = heard.last.is_some_and(|last| last >= self.at + ORDER_SETTLES);
+        heard.all_at.max(self.at + if is_heard { ORDER_AGAIN } else { ORDER_AGAIN_UNHEARD })
     }
+}
+
+/// What was heard of a vehicle's mode. It tells what became of an order, and whether a pilot has the vehicle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ModeHeard {
+    /// When the vehicle last told its mode.
+    pub last: Option<Duration>,
+    /// By then all that vehicles told is read: while the machine catches up after a stall, that is in the future.
+    pub all_at: Duration,
 }
 
 /// A command of a setpoint that was not accepted.
@@ -70,8 +79,8 @@ pub struct Orders {
 
 impl Orders {
     /// Takes note of an order that is to be given for a purpose now; whether it is due. The same order is due again
-    /// while it is not followed, as far as was heard after it: `heard` is when the vehicle last told its mode.
-    pub fn give(&mut self, purpose: &'static str, message: &Message, heard: Option<Duration>, now: Duration) -> bool {
+    /// while it is not followed, as far as was heard.
+    pub fn give(&mut self, purpose: &'static str, message: &Message, heard: ModeHeard, now: Duration) -> bool {
         match self.given.get_mut(purpose).filter(|sent| sent.message == *message) {
             Some(sent) if now < sent.again_at(heard) => false,
             Some(sent) => {
@@ -83,11 +92,6 @@ impl Orders {
                 true
             }
         }
-    }
-
-    /// Whether this is the last order that was given for a purpose.
-    pub fn has_given(&self, purpose: &str, message: &Message) -> bool {
-        self.given.get(purpose).is_some_and(|sent| sent.message == *message)
     }
 
     /// Forgets an order that was followed.
@@ -206,7 +210,8 @@ mod tests {
         let mut orders = Orders::default();
         let at = Duration::from_millis;
         let give = |orders: &mut Orders, order: &Message, now_ms: u64| {
-            orders.give("launch", order, Some(at(now_ms - now_ms.min(100))), at(now_ms))
+            let heard = ModeHeard { last: Some(at(now_ms - now_ms.min(100))), ..ModeHeard::default() };
+            orders.give("launch", order, heard, at(now_ms))
         };
         assert!(give(&mut orders, &arm, 0));
         assert!(!give(&mut orders, &arm, 900));
@@ -224,13 +229,16 @@ mod tests {
         let hold = order(MavCmd::MAV_CMD_DO_SET_MODE);
         let mut orders = Orders::default();
         let at = Duration::from_millis;
-        assert!(orders.give("hold", &hold, None, at(0)));
-        for (heard, now) in [(None, 2000), (Some(at(0)), 2000), (Some(at(400)), 2900)] {
-            assert!(!orders.give("hold", &hold, heard, at(now)), "a pilot may have changed the mode since");
+        let heard = |last_ms: Option<u64>| ModeHeard { last: last_ms.map(at), ..ModeHeard::default() };
+        assert!(orders.give("hold", &hold, heard(None), at(0)));
+        for (last_ms, now_ms) in [(None, 2000), (Some(0), 2000), (Some(400), 2900)] {
+            assert!(!orders.give("hold", &hold, heard(last_ms), at(now_ms)), "a pilot may have changed the mode since");
         }
-        assert!(orders.give("hold", &hold, Some(at(600)), at(2900)));
-        assert!(!orders.give("hold", &hold, Some(at(600)), at(5800)));
-        assert!(orders.give("hold", &hold, Some(at(600)), at(5900)), "it tells nothing: the order may have been lost");
+        let stalled = ModeHeard { all_at: at(3000), ..heard(Some(600)) };
+        assert!(!orders.give("hold", &hold, stalled, at(2900)), "what was told meanwhile is not read yet");
+        assert!(orders.give("hold", &hold, heard(Some(600)), at(2900)));
+        assert!(!orders.give("hold", &hold, heard(Some(600)), at(5800)));
+        assert!(orders.give("hold", &hold, heard(Some(600)), at(5900)), "it tells nothing: the order may be lost");
     }
 
     #[test]

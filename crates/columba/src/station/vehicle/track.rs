@@ -134,10 +134,10 @@ impl Track {
         let last = self.samples.back()?;
         let age_s = (at_s - last.at_s).max(0.0);
         let ahead_s = age_s.min(age_max_s);
-        let (north_mps, east_mps) = velocity_mps(&last.state);
+        let position_m = last.state.position_m() + last.state.velocity_mps() * ahead_s;
         let state = State {
-            x_m: last.state.x_m + north_mps * ahead_s,
-            y_m: last.state.y_m + east_mps * ahead_s,
+            x_m: position_m.x,
+            y_m: position_m.y,
             altitude_m: last.state.altitude_m + last.state.climb_mps * ahead_s,
             ..last.state
         };
@@ -170,12 +170,6 @@ impl Track {
     }
 }
 
-/// North and east, m/s.
-pub fn velocity_mps(state: &State) -> (f64, f64) {
-    let (sin, cos) = libm::sincos(state.course_rad);
-    (state.speed_mps * cos, state.speed_mps * sin)
-}
-
 /// Horizontal distance, m.
 pub fn distance_m(a: &State, b: &State) -> f64 {
     libm::hypot(a.x_m - b.x_m, a.y_m - b.y_m)
@@ -191,7 +185,7 @@ fn between(before: &Sample, after: &Sample, at_s: f64) -> State {
     let span_s = after.at_s - before.at_s;
     let u = (at_s - before.at_s) / span_s;
     let (a, b) = (&before.state, &after.state);
-    let ((north_a, east_a), (north_b, east_b)) = (velocity_mps(a), velocity_mps(b));
+    let (velocity_a, velocity_b) = (a.velocity_mps(), b.velocity_mps());
     let cubic = |from: f64, to: f64, slope_from: f64, slope_to: f64| {
         let (u2, u3) = (u * u, u * u * u);
         (2.0 * u3 - 3.0 * u2 + 1.0) * from
@@ -200,8 +194,8 @@ fn between(before: &Sample, after: &Sample, at_s: f64) -> State {
             + (u3 - u2) * span_s * slope_to
     };
     State {
-        x_m: cubic(a.x_m, b.x_m, north_a, north_b),
-        y_m: cubic(a.y_m, b.y_m, east_a, east_b),
+        x_m: cubic(a.x_m, b.x_m, velocity_a.x, velocity_b.x),
+        y_m: cubic(a.y_m, b.y_m, velocity_a.y, velocity_b.y),
         altitude_m: cubic(a.altitude_m, b.altitude_m, a.climb_mps, b.climb_mps),
         speed_mps: a.speed_mps + u * (b.speed_mps - a.speed_mps),
         course_rad: wrap_pi(a.course_rad + u * wrap_pi(b.course_rad - a.course_rad)),

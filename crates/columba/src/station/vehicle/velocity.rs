@@ -4,7 +4,7 @@
 //! the two differ by up to 0.9 m/s for seconds. A multicopter holds the velocity that it tells, and so its position
 //! drifts off the course that was asked for. Where a vehicle will be follows from how its position moves.
 
-use flight_model::{State, course_vector, wrap_pi};
+use flight_model::{State, wrap_pi};
 use mavlink_bridge::kind::AutopilotKind;
 use nalgebra::Vector2;
 
@@ -60,7 +60,7 @@ impl VelocityOffset {
         if !self.applies {
             return *told;
         }
-        let moves_mps = velocity_mps(told) + self.offset_mps;
+        let moves_mps = told.velocity_mps() + self.offset_mps;
         let course_rad = wrap_pi(libm::atan2(moves_mps.y, moves_mps.x));
         State { speed_mps: moves_mps.norm(), course_rad, ..*told }
     }
@@ -74,7 +74,7 @@ impl VelocityOffset {
             return;
         }
         let way_m = told.position_m() - last.position_m();
-        let difference_mps = way_m / span_s - 0.5 * (velocity_mps(last) + velocity_mps(told));
+        let difference_mps = way_m / span_s - 0.5 * (last.velocity_mps() + told.velocity_mps());
         if difference_mps.norm() > JUMP_MPS {
             return;
         }
@@ -83,13 +83,10 @@ impl VelocityOffset {
     }
 }
 
-fn velocity_mps(state: &State) -> Vector2<f64> {
-    state.speed_mps * course_vector(state.course_rad)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flight_model::course_vector;
 
     /// 10 m/s round a circle of 20 m; the told velocity is off by `off_mps` to the east, places are whole centimetres.
     fn told(at_s: f64, off_mps: f64) -> (State, f64) {
@@ -110,7 +107,7 @@ mod tests {
         let errors = steps.map(|step| {
             let at_s = 0.1 * f64::from(step);
             let (state, course_rad) = told(at_s, off_mps);
-            (velocity_mps(&offset.correct(at_s, 0.0, &state)) - 10.0 * course_vector(course_rad)).norm()
+            (offset.correct(at_s, 0.0, &state).velocity_mps() - 10.0 * course_vector(course_rad)).norm()
         });
         errors.skip(20).fold(0.0, f64::max)
     }

@@ -1,7 +1,6 @@
 //! What the flock is told before it decides: how its members fly, where they will be, and who else is in the air.
 
 use crate::station::vehicle::Vehicle;
-use crate::station::vehicle::track::velocity_mps;
 use crate::station::{STALE_S, Station};
 use controller::{FlockSettings, Obstacle};
 use flight_model::{State, Wind};
@@ -74,11 +73,9 @@ pub fn others(station: &Station, members: &[usize], now: Duration) -> Vec<Obstac
             circles.push(Obstacle { x_m: state.x_m, y_m: state.y_m, radius_m: radius_m + grown_m });
             continue;
         }
-        let (north_mps, east_mps) = velocity_mps(&state);
         for step in 0..=look_ahead.steps(period_s) {
-            let ahead_s = period_s * step as f64;
-            let (x_m, y_m) = (state.x_m + north_mps * ahead_s, state.y_m + east_mps * ahead_s);
-            circles.push(Obstacle { x_m, y_m, radius_m });
+            let position_m = state.position_m() + state.velocity_mps() * (period_s * step as f64);
+            circles.push(Obstacle { x_m: position_m.x, y_m: position_m.y, radius_m });
         }
     }
     circles
