@@ -9,8 +9,8 @@ use std::time::Duration;
 const COURSE_CHANGE_BEHIND_LINK_RAD: f64 = 1.6;
 /// Over a link another side has to be better by this, m.
 const SIDE_BEHIND_LINK_M: f64 = 0.5;
-/// What a change of the commanded velocity costs where vehicles answer late, s.
-const COMMAND_COST_S: f64 = 0.2;
+/// What a change of the commanded velocity costs where vehicles answer late, s (docs/dynamics.md).
+const COMMAND_COST_S: f64 = 1.0;
 
 /// What a flock needs to know before its first tick.
 ///
