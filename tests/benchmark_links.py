@@ -39,7 +39,9 @@ LINKS = {
 def fly(seed, vehicles, options, speed, more):
     """The summary of one flight."""
     with tempfile.TemporaryDirectory() as folder:
-        world = ["--speed", str(speed)] if speed else ["--transport", "simulated"]
+        # Flights by the clock run beside each other: each takes free ports.
+        clock = ["--speed", str(speed), "--set", "link.vehicle_port=0"]
+        world = clock if speed else ["--transport", "simulated"]
         command = [COLUMBA, "run", FIELD, "--quiet", "--no-report", "--threads", "1", "--seed", str(seed)]
         command += ["--set", f"vehicles.count={vehicles}", "--out", folder, *world, *options, *more]
         subprocess.run([str(part) for part in command], stderr=subprocess.DEVNULL, check=False)

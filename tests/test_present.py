@@ -4,6 +4,8 @@ import json
 import pathlib
 import subprocess
 
+import pyarrow.parquet
+
 REHEARSAL = pathlib.Path(__file__).parent.parent / "config/rehearsal.toml"
 # What a controller reckons with that takes planes for Eq. 1 as printed, with other constants.
 BEFORE = {
@@ -52,6 +54,43 @@ def test_real_time_measures_the_delay_of_its_link(program, tmp_path):
         assert vehicle["command_delay_s"] > 0.15
         assert vehicle["telemetry_delay_s"] > 0.15
     assert present["ticks"] == 16
+
+
+APART = """
+[scenario]
+name = "apart"
+duration_s = 2.0
+
+[flock]
+expected_speed_mps = 10.0
+expected_altitude_m = 50.0
+
+[[vehicle]]
+x_m = 0.0
+y_m = -10.0
+altitude_m = 50.0
+speed_mps = 10.0
+course_deg = -90.0
+
+[[vehicle]]
+x_m = 0.0
+y_m = 10.0
+altitude_m = 50.0
+speed_mps = 10.0
+course_deg = 90.0
+"""
+
+
+def test_vehicles_stay_at_their_starts_until_the_controller_knows_them(program, tmp_path):
+    """Over a bad link that takes its time: vehicles at random places flew into each other meanwhile."""
+    (tmp_path / "apart.toml").write_text(APART)
+    done, _ = run(program, tmp_path / "run", tmp_path / "apart.toml", "--speed", "1", *DELAY)
+    assert done.returncode == 0, done.stderr
+    # They fly away from each other at 10 m/s until the first commands act.
+    rows = pyarrow.parquet.read_table(tmp_path / "run/trajectory.parquet").to_pylist()
+    reached_m = [abs(row["y_m"]) for row in rows if row["t_s"] == 0.5]
+    assert len(reached_m) == 2
+    assert all(14.0 < y_m < 16.0 for y_m in reached_m), reached_m
 
 
 def test_lockstep_knows_everything_and_says_nothing(program, tmp_path):

@@ -232,6 +232,12 @@ impl Vehicle {
         self.component.autopilot.command(setpoint)
     }
 
+    /// Keeps the vehicle where it is while its time and its telemetry go on, or lets it fly on, with the velocity that
+    /// it had: so a flight does not begin before a ground station is ready.
+    pub fn hold(&mut self, is_held: bool) {
+        self.component.autopilot.flight.hold(is_held);
+    }
+
     /// Flies until vehicle time `until`, in whole integration steps, and appends the state after each of them to
     /// `track`. Telemetry that falls due on the way is queued. In lockstep it goes no further than
     /// [`released_until`](Self::released_until).

@@ -134,6 +134,32 @@ async fn lockstep_over_a_bad_link_is_the_flight_in_memory() {
 }
 
 #[tokio::test]
+async fn vehicles_stay_at_their_starts_until_the_flight_begins() {
+    let settings = HostSettings { base_port: 0, clock: Clock::WALL, ..HostSettings::default() };
+    let (tracks, observer) = recorder();
+    let (begin, begins) = watch::channel(false);
+    let (stop, stopped) = watch::channel(false);
+    let host = Host::bind(&settings, fleet(2, None)).unwrap().beginning_when(begins);
+    let running = tokio::spawn(host.run(observer, stopped));
+    let flown = |index: usize| tracks.lock().unwrap().get(&index).cloned().unwrap_or_default();
+    let wait_for = async |is_there: &dyn Fn(&[State]) -> bool| {
+        let deadline = tokio::time::Instant::now() + Duration::from_secs(20);
+        while !(0..2).all(|index| is_there(&flown(index))) {
+            assert!(tokio::time::Instant::now() < deadline);
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
+    };
+    wait_for(&|track| track.len() > 20).await;
+    for (index, settings) in fleet(2, None).iter().enumerate() {
+        assert!(flown(index).iter().all(|state| *state == settings.start), "with the velocity that it starts with");
+    }
+    begin.send_replace(true);
+    wait_for(&|track| track.last().is_some_and(|last| last.x_m > 1.0)).await;
+    stop.send_replace(true);
+    running.await.unwrap().unwrap();
+}
+
+#[tokio::test]
 async fn in_real_time_it_flies_streams_and_obeys() {
     let clock = Clock::RealTime { speed: 20.0, tick: Duration::from_millis(5) };
     let settings = HostSettings { base_port: 0, clock, ..HostSettings::default() };

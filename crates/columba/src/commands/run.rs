@@ -70,7 +70,7 @@ fn over_udp(
         let (clock, epoch_us) = flying::clock(scenario, speed);
         // Nobody else needs to find the vehicles of a run in lockstep, and several such runs share a machine.
         let base_port = scenario.link.vehicle_port.unwrap_or(if speed.is_some() { VEHICLE_PORT } else { 0 });
-        let (observer, ground_truth) = GroundTruth::observed(scenario.starts.len(), scenario.integration_step);
+        let (observer, begins, ground_truth) = GroundTruth::observed(scenario.starts.len(), scenario.integration_step);
         let observer = match view {
             Some(view) => {
                 let scene = view::scene_of(scenario, "columba run");
@@ -81,11 +81,16 @@ fn over_udp(
         let vehicles = flying::led_vehicle_settings(scenario, Some(ground.address()?), epoch_us);
         // The link's impairment is the ground's: both directions pass there once.
         let settings = flying::host_settings(scenario, clock, base_port, LinkSettings::default());
+        let keep_time = speed.is_some();
         let (stop_vehicles, stopped) = watch::channel(false);
         let (tell_addresses, addresses) = oneshot::channel();
         let host: JoinHandle<anyhow::Result<HostReport>> = std::thread::spawn(move || {
             block_on(async move {
-                let host = Host::bind(&settings, vehicles)?;
+                let mut host = Host::bind(&settings, vehicles)?;
+                if keep_time {
+                    // In lockstep they wait for setpoints anyway.
+                    host = host.beginning_when(begins);
+                }
                 let _ = tell_addresses.send(host.addresses().to_vec());
                 Ok(host.run(observer, stopped).await?)
             })

@@ -7,6 +7,7 @@ use sim_vehicle::{Advance, Observer};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
+use tokio::sync::watch;
 
 /// By what a flight is judged.
 pub struct GroundTruth {
@@ -34,6 +35,8 @@ struct Observed {
     /// Vehicle time at time zero of the flight.
     zero: Duration,
     step: Duration,
+    /// Lets the vehicles go.
+    begins: watch::Sender<bool>,
 }
 
 /// A stretch of one vehicle's flight.
@@ -44,8 +47,9 @@ struct Stretch {
 }
 
 impl GroundTruth {
-    /// The flights of simulated vehicles, with the observer for their host. `step` is the integration step.
-    pub fn observed(vehicles: usize, step: Duration) -> (Observer, Self) {
+    /// The flights of simulated vehicles, with the observer for their host, and what tells the host that the flight
+    /// begins. `step` is the integration step.
+    pub fn observed(vehicles: usize, step: Duration) -> (Observer, watch::Receiver<bool>, Self) {
         let (sender, stretches) = channel();
         let observer = move |advance: Advance<'_>| {
             let stretch = Stretch { vehicle: advance.vehicle, start: advance.start, track: advance.track.to_vec() };
@@ -53,8 +57,9 @@ impl GroundTruth {
             let _ = sender.send(stretch);
         };
         let tracks = vec![Vec::new(); vehicles];
-        let observed = Observed { stretches, tracks, taken: Duration::ZERO, zero: Duration::ZERO, step };
-        (Arc::new(observer), Self::new(Source::Observed(observed)))
+        let (begins, is_begun) = watch::channel(false);
+        let observed = Observed { stretches, tracks, taken: Duration::ZERO, zero: Duration::ZERO, step, begins };
+        (Arc::new(observer), is_begun, Self::new(Source::Observed(observed)))
     }
 
     /// Telemetry, where the vehicles are not ours to observe.
@@ -71,11 +76,12 @@ impl GroundTruth {
         matches!(self.source, Source::Observed(_))
     }
 
-    /// Forgets what was flown before now: this is time zero of the flight.
+    /// Forgets what was flown before now: this is time zero of the flight. Vehicles that wait for it fly on.
     pub fn start(&mut self) {
         if let Source::Observed(observed) = &mut self.source {
             observed.take();
             observed.zero = observed.taken;
+            observed.begins.send_replace(true);
         }
     }
 

@@ -15,6 +15,11 @@ use tokio::time::Instant;
 
 /// Vehicles whose position stays unknown for this long before the flight are given up.
 const MUSTER_PATIENCE: Duration = Duration::from_secs(15);
+/// The delays of links are asked for this often before the flight, with so many looks in between for the answers: one
+/// that is lost so often is not waited for.
+const DELAY_TRIES: u32 = 8;
+const LOOKS: u32 = 6;
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Vehicles that keep their own time, behind a link.
 pub struct RealTime {
@@ -79,6 +84,26 @@ impl RealTime {
         }
     }
 
+    /// Asks vehicles that wait for the delays of their links, which the first decisions want to know.
+    async fn measure_delays(&mut self) -> Result<(), FlightError> {
+        let vehicles = self.ground.fleet().vehicles().len();
+        for look in 0..DELAY_TRIES * LOOKS {
+            let unknown: Vec<usize> = (0..vehicles).filter(|&vehicle| !self.watch.knows_delay(vehicle)).collect();
+            if unknown.is_empty() {
+                break;
+            }
+            if look.is_multiple_of(LOOKS) {
+                for vehicle in unknown {
+                    let request = Watch::time_request(self.watch_now());
+                    self.ground.send(vehicle, &[request], unix_us()).await;
+                }
+            }
+            self.started = Instant::now();
+            self.listen_until(LOOK.mul_f64(self.speed)).await?;
+        }
+        Ok(())
+    }
+
     /// Sends each vehicle its part of the last decisions.
     async fn command(&mut self) {
         let heartbeat = self.sent.is_multiple_of(self.ticks_per_heartbeat).then(ground_heartbeat);
@@ -121,12 +146,20 @@ impl World for RealTime {
 
     async fn prepare(&mut self) -> Result<(), FlightError> {
         let ready = self.ground.make_ready(MUSTER_PATIENCE, unix_us()).await;
+        // Vehicles that are observed wait for the flight to begin.
+        let they_wait = ready.is_ok() && self.ground_truth.is_observed();
+        if they_wait {
+            self.measure_delays().await?;
+        }
         self.started = Instant::now();
         self.zero = self.watch_now();
         self.ground_truth.start();
         for (vehicle, craft) in self.ground.fleet().vehicles().iter().enumerate() {
             if let Some(position) = craft.position {
                 self.watch.hear_position(vehicle, &position, position.heard.mul_f64(self.speed));
+                if they_wait {
+                    self.watch.begin(vehicle, &position.state, self.zero);
+                }
             }
         }
         self.look();

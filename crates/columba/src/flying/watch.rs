@@ -162,6 +162,18 @@ impl Watch {
         }
     }
 
+    /// A vehicle begins to fly at flight time `now`, from where it stood until then.
+    pub fn begin(&mut self, vehicle: usize, state: &State, now: Duration) {
+        if let Some(craft) = self.crafts.get_mut(vehicle) {
+            craft.present.hear(now.as_secs_f64(), state);
+        }
+    }
+
+    /// Whether the delay of a vehicle's link is known.
+    pub fn knows_delay(&self, vehicle: usize) -> bool {
+        self.crafts.get(vehicle).is_some_and(|craft| craft.clock.delay_s().is_some())
+    }
+
     /// The question for the time, to be sent to every vehicle at flight time `now`: the answer tells the delay.
     pub fn time_request(now: Duration) -> Message {
         let ts1 = i64::try_from(now.as_nanos()).unwrap_or(i64::MAX);

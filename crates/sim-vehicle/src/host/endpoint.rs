@@ -39,6 +39,15 @@ pub(crate) struct Shell {
     pub clock: Clock,
     pub time: RealTime,
     pub observer: Observer,
+    /// Whether the flight has begun; none where the flight begins at once.
+    pub begins: Option<watch::Receiver<bool>>,
+}
+
+impl Shell {
+    /// Whether vehicles stay at their starts. Nobody is left to let them go where the sender is gone.
+    fn holds(&self) -> bool {
+        self.begins.as_ref().is_some_and(|begins| !*begins.borrow() && begins.has_changed().is_ok())
+    }
 }
 
 /// Waits until `stop` holds true or its sender is gone.
@@ -204,6 +213,7 @@ impl Endpoint {
             },
         };
         let start = vehicle.time();
+        vehicle.hold(shell.holds());
         self.track.clear();
         vehicle.advance(until, &mut self.track);
         if !self.track.is_empty() {

@@ -106,6 +106,7 @@ pub struct Host {
     endpoints: Vec<Endpoint>,
     addresses: Vec<SocketAddr>,
     clock: Clock,
+    begins: Option<watch::Receiver<bool>>,
 }
 
 impl fmt::Debug for Host {
@@ -147,7 +148,7 @@ impl Host {
             })
             .collect::<Result<_, HostError>>()?;
 
-        let mut host = Self { endpoints: Vec::new(), addresses: Vec::new(), clock: settings.clock };
+        let mut host = Self { endpoints: Vec::new(), addresses: Vec::new(), clock: settings.clock, begins: None };
         let mut vehicles = vehicles.into_iter().enumerate().peekable();
         // An early return drops the endpoints bound so far, and so frees their ports.
         while let Some(&(first, _)) = vehicles.peek() {
@@ -165,6 +166,14 @@ impl Host {
             host.endpoints.push(endpoint);
         }
         Ok(host)
+    }
+
+    /// The flight begins when `begins` holds true or its sender is gone: until then the vehicles answer and tell where
+    /// they are, and stay there.
+    #[must_use]
+    pub fn beginning_when(mut self, begins: watch::Receiver<bool>) -> Self {
+        self.begins = Some(begins);
+        self
     }
 
     /// The address that each vehicle listens on, in the order in which the host was given them.
@@ -192,7 +201,7 @@ impl Host {
         let (stop_all, stop_endpoints) = watch::channel(false);
         let mut tasks: JoinSet<Result<EndpointReport, LinkError>> = JoinSet::new();
         let time = RealTime::new(self.clock.speed());
-        let shell = Arc::new(Shell { started: Instant::now(), clock: self.clock, time, observer });
+        let shell = Arc::new(Shell { started: Instant::now(), clock: self.clock, time, observer, begins: self.begins });
         for endpoint in self.endpoints {
             tasks.spawn(endpoint.run(Arc::clone(&shell), stop_endpoints.clone()));
         }

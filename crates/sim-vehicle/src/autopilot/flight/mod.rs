@@ -46,6 +46,8 @@ pub(crate) struct Flight {
     start: State,
     starts_on_ground: bool,
     state: State,
+    /// Whether its time goes on without it.
+    is_held: bool,
     air: Air,
     mode: Mode,
     armed: bool,
@@ -110,6 +112,7 @@ impl Flight {
             start,
             starts_on_ground: settings.on_ground,
             state: State { speed_mps: 0.0, climb_mps: 0.0, ..start },
+            is_held: false,
             air: Air::at(&start),
             mode: settings.mode,
             armed: false,
@@ -209,6 +212,11 @@ impl Flight {
     /// Stops or restarts the engine. Without it the speed falls to the least one and the vehicle glides down.
     pub fn set_engine(&mut self, works: bool) {
         self.engine_works = works;
+    }
+
+    /// Keeps it where it is, with the velocity that it has, or lets it fly on.
+    pub fn hold(&mut self, is_held: bool) {
+        self.is_held = is_held;
     }
 
     #[inline]

@@ -26,8 +26,11 @@ impl Flight {
         }
     }
 
-    /// Integrates one step; says what has happened in it. On the rail nothing moves.
+    /// Integrates one step; says what has happened in it. On the rail nothing moves, nor while it is held.
     pub fn step(&mut self) -> Option<TouchDown> {
+        if self.is_held {
+            return None;
+        }
         match self.contact {
             Contact::Rail => None,
             Contact::Ground => {
