@@ -25,10 +25,13 @@ pub(in crate::firmware) fn offer(message_id: u32) -> Offer {
 }
 
 /// Whether a message that is due is sent: what it steers for is told on the ground too, though not when it is asked
-/// for; a wind is known in the air alone.
+/// for; a wind is known in the air alone. MISSION_CURRENT is the mission protocol's, which nobody can ask for; the
+/// others that nobody can ask for are other autopilots'.
 pub(in crate::firmware) fn streams(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {
         Stream::WindCov => autopilot.flight.is_flying(),
+        Stream::MissionCurrent => true,
+        other if offer(other.message_id()) == Offer::None => false,
         other => has(autopilot, other),
     }
 }
