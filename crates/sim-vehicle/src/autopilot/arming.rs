@@ -182,6 +182,11 @@ impl Autopilot {
         self.say(Severity::Info, (self.rules.words.disarmed)(cause));
     }
 
+    /// Whether it flies, or has flown since it was switched on.
+    pub(crate) fn has_flown(&self) -> bool {
+        self.flight.is_flying() || self.session.timers.since(Timer::Flown, self.time).is_some()
+    }
+
     fn tell_fence_of_arming(&mut self) {
         self.session.fence.arming_changed(self.flight.is_armed(), &self.parameters, &mut self.events);
     }

@@ -36,10 +36,11 @@ pub(in crate::firmware) fn streams(autopilot: &Autopilot, stream: Stream) -> boo
     }
 }
 
-/// Whether a message has content: no place to fly to is told on the ground, and sticks that nobody holds.
+/// Whether a message has content: no place to fly to is told before it has flown, and sticks that nobody holds.
 pub(in crate::firmware) fn has(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {
-        Stream::NavControllerOutput | Stream::PositionTargetGlobalInt => autopilot.flight.is_flying(),
+        Stream::NavControllerOutput => autopilot.flight.is_flying(),
+        Stream::PositionTargetGlobalInt => autopilot.has_flown(),
         Stream::RcChannels => autopilot.are_sticks_held(),
         // It has one sensor of each.
         Stream::ScaledImu2 | Stream::ScaledImu3 | Stream::ScaledPressure2 => false,
