@@ -32,6 +32,9 @@ KNOWN = {
     "that it came with.": {
         "value sets": ["BATT_FS_LOW_ACT 0", "BATT_FS_CRT_ACT 0", "FENCE_AUTOENABLE 0"],
     },
+    "Sticks are not mixed into modes that fly by themselves (STICK_MIXING).": {
+        "an altitude in loiter by the stick": ["the pitch stick at * with options 0"],
+    },
     "FENCE_AUTOENABLE 1 is taken without a warning.": {
         "value sets": ["FENCE_AUTOENABLE 1"],
     },

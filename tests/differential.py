@@ -40,7 +40,7 @@ class Conversation:
         self.beats = 0
         self.silent = False
         self.last_mode = self.last_armed = self.last_current = None
-        self.newest = {}
+        self.newest, self.values = {}, {}
         self.forget()
         self.items, self.kind = [], MISSION
 
@@ -97,6 +97,10 @@ class Conversation:
 
     def item(self, command, north_m=0, east_m=0, z=60, p1=0, p2=0, p3=0, p4=0, frame=RELATIVE):
         return frame, command, (p1, p2, p3, p4), self.place(north_m, east_m), z
+
+    def newest_value(self, name):
+        """What a parameter was said to be last."""
+        return self.values[name]
 
     # What is heard.
 
@@ -247,6 +251,7 @@ class Conversation:
             self.progress.append(word)
 
     def on_param_value(self, value):
+        self.values[value.param_id] = value.param_value
         # An autopilot may tell of others that it has changed by itself.
         if value.param_id in self.asked:
             kind = name_of("MAV_PARAM_TYPE", value.param_type)

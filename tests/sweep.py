@@ -1,10 +1,10 @@
 """Every command, message, interval and mission item, one after another: what an autopilot answers to each.
 
-    python tests/sweep.py udpout:127.0.0.1:14600 [ANSWERS.json]
+    python tests/sweep.py udpout:127.0.0.1:14600 [ANSWERS.json [air]]
 
-The vehicle stands on the ground, disarmed, fresh from its start. The labels are those of
-`reference/answers-arduplane.json` and `reference/answers-px4.json`, which real autopilots gave. An answer depends a
-little on those before it: always play the whole sweep. `test_sweep.py` compares.
+The vehicle stands on the ground, disarmed, fresh from its start, or (`air`) flies in its guided mode. The labels are
+those of `reference/answers-*.json`, which real autopilots gave. An answer depends a little on those before it: always
+play the whole sweep. `test_sweep.py` compares.
 """
 
 import json
@@ -29,14 +29,16 @@ COMMANDS = [
 MESSAGES = [number for number in sorted(mavlink.mavlink_map) if 0 < number < 13_000]
 # Commands that begin a flight: they are taken back.
 THAT_ARM = (22, 84, 176, 300, 400)
+# Commands that lead somewhere else: in the air they are taken back by the guided mode.
+THAT_LEAD = (16, 17, 18, 19, 20, 21, 22, 34, 84, 85, 176, 189, 191, 192, 193, 195, 252, 300, 43_003)
 PROBED_ITEMS = (16, 17, 18, 19, 20, 21, 22, 31, 93, 112, 178, 177, 206, 201)
-ARM_DISARM, SET_INTERVAL, REQUEST, WAYPOINT = 400, 511, 512, 16
+SET_MODE, ARM_DISARM, SET_INTERVAL, REQUEST, WAYPOINT = 176, 400, 511, 512, 16
 SILENCE_S = 0.8
 
 
-def play(link):
+def play(link, in_air=False):
     """Plays the sweep with the vehicle at the other end of a link: label -> answer, None for silence."""
-    return Sweep(link).play()
+    return Sweep(link).play(in_air)
 
 
 class Sweep:
@@ -48,10 +50,14 @@ class Sweep:
         heartbeat = self.wait(["HEARTBEAT"], 60.0)
         self.system, self.autopilot = heartbeat.get_srcSystem(), heartbeat.autopilot
 
-    def play(self):
+    def play(self, in_air):
         place = self.place()
         for command in COMMANDS:
             self.command(command, place)
+            if in_air and command in THAT_LEAD:
+                self.long(SET_MODE, 1, *((15, 0) if self.autopilot == ARDUPILOT else (4, 19)))
+            if not in_air and command in THAT_ARM:
+                self.long(ARM_DISARM, 0)
         for message in MESSAGES:
             self.answers[f"request {message}"] = self.long(REQUEST, message)
         for message in MESSAGES:
@@ -74,8 +80,6 @@ class Sweep:
         frame = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT
         self.link.mav.command_int_send(self.system, 1, frame, command, 0, 0, 0, 0, 0, 0, x, y, z)
         self.answers[f"int {command}"] = self.result(command)
-        if command in THAT_ARM:
-            self.long(ARM_DISARM, 0)
 
     def long(self, command, *params):
         self.forget()
@@ -152,7 +156,8 @@ def name(enum, number):
 
 
 if __name__ == "__main__":
-    found = play(mavutil.mavlink_connection(sys.argv[1], source_system=255, source_component=190))
+    link = mavutil.mavlink_connection(sys.argv[1], source_system=255, source_component=190)
+    found = play(link, in_air=sys.argv[3:] == ["air"])
     text = json.dumps(found, indent=0)
     if len(sys.argv) > 2:
         with open(sys.argv[2], "w") as file:

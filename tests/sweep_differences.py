@@ -37,14 +37,15 @@ KNOWN = {
         "DO_GRIPPER is UNSUPPORTED: there is no gripper.": ["long 211", "int 211"],
         "Figures of eight (DO_FIGURE_EIGHT) are not flown, and UNSUPPORTED.": ["long 35", "int 35"],
         "DO_SET_GLOBAL_ORIGIN is DENIED: the origin is the scenario's.": ["long 611", "int 611"],
-        "GNSS_INTEGRITY, the messages of Open Drone ID and those of a transponder have no content: they are DENIED.": [
+        "GNSS_INTEGRITY and the messages of a transponder have no content: they are DENIED.": [
             "request 441",
             "request 10001",
             "request 10002",
-            "request 12900",
-            "request 12901",
-            "request 12904",
         ],
-        "A message that is asked for comes whether its content is new or not.": ["request 24"],
+        "A message that is asked for comes whether its content is new or not.": [
+            "request 24",
+            "request 31",
+            "request 85",
+        ],
     },
 }

@@ -20,6 +20,7 @@ os.environ["MAVLINK20"] = "1"  # pymavlink reads it when it is imported
 # The scenes register themselves.
 import command_scenes  # noqa: F401
 import kind_scenes  # noqa: F401
+import option_scenes  # noqa: F401
 import pilot_scenes  # noqa: F401
 import plan_scenes  # noqa: F401
 import pytest

@@ -4,6 +4,8 @@ An ArduPlane accepts some for which it has nothing to say: then a text says what
 
 import math
 import time
+from collections import Counter
+from pathlib import Path
 
 import pytest
 from ground import ACCEPTED
@@ -25,6 +27,7 @@ UNKNOWN = {
     "approach_z",
 }
 PATIENCE_S = 30.0
+PAGE = Path(__file__).parent.parent / "docs/mavlink.md"
 
 
 @pytest.fixture(params=["arduplane", "px4"])
@@ -146,3 +149,46 @@ def test_a_px4_tells_unasked_what_a_real_one_does(start_vehicles, scenario):
     while missing and time.monotonic() < end:
         missing.discard(craft.wait(UNASKED).get_type())
     assert not missing
+
+
+# What an ArduPlane's own simulator sends on every link once a second, in GUIDED, asked for nothing.
+EVERY_SECOND = """
+    AHRS AHRS2 AIRSPEED AOA_SSA ATTITUDE BATTERY_STATUS EKF_STATUS_REPORT ESC_TELEMETRY_1_TO_4 GLOBAL_POSITION_INT
+    GPS_RAW_INT LOCAL_POSITION_NED MEMINFO MISSION_CURRENT NAV_CONTROLLER_OUTPUT POSITION_TARGET_GLOBAL_INT POWER_STATUS
+    RAW_IMU RC_CHANNELS SCALED_IMU2 SCALED_IMU3 SCALED_PRESSURE SCALED_PRESSURE2 SERVO_OUTPUT_RAW SIMSTATE SYSTEM_TIME
+    SYS_STATUS TERRAIN_REPORT VFR_HUD VIBRATION WIND
+""".split()
+NOW_AND_THEN = {"HEARTBEAT", "GPS_GLOBAL_ORIGIN", "HOME_POSITION", "STATUSTEXT", "PARAM_VALUE"}
+
+
+def test_an_arduplanes_ports_have_the_rates_of_its_simulator(start_vehicles):
+    craft = start_vehicles("--count", 1, "--ports", "ardupilot", "--speed", 2, ground_port=0).connect()[0]
+    for name in ("MAV1_EXTRA1", "MAV1_POSITION", "MAV1_EXTRA2"):
+        craft.link.param_fetch_one(name)
+        assert craft.wait(["PARAM_VALUE"], lambda value, name=name: value.param_id == name).param_value == 1, name
+    seen = Counter()
+    craft.wait(["HEARTBEAT"])
+    while seen["HEARTBEAT"] < 6:
+        seen[craft.link.recv_match(blocking=True, timeout=PATIENCE_S).get_type()] += 1
+    assert {name: seen[name] for name in EVERY_SECOND if not 5 <= seen[name] <= 7} == {}
+    assert set(seen) - set(EVERY_SECOND) <= NOW_AND_THEN
+
+
+def test_a_px4_sends_nothing_that_a_px4_has_not(start_vehicles, scenario):
+    craft = start_vehicles(scenario(), "--personality", "px4", "--speed", 5).connect()[0]
+    seen = Counter()
+    while seen["HEARTBEAT"] < 6:
+        seen[craft.link.recv_match(blocking=True, timeout=PATIENCE_S).get_type()] += 1
+    assert not set(seen) & {"RAW_IMU", "WIND", "EKF_STATUS_REPORT", "FENCE_STATUS"}
+
+
+def test_what_there_is_no_device_for_is_told_and_nothing_else(start_vehicles, scenario):
+    """Every accepted request of an ArduPlane comes, but where the page says that there is nothing."""
+    craft = start_vehicles(scenario(), "--speed", 5).connect()[0]
+    silent = set()
+    for number in MESSAGES:
+        result, message = answer(craft, number)
+        if result == ACCEPTED and message is None:
+            silent.add(mavlink.mavlink_map[number].msgname)
+    row = next(line for line in PAGE.read_text().splitlines() if line.startswith("| PARAM_VALUE, "))
+    assert silent == set(row.split("|")[1].replace(",", " ").split())

@@ -17,6 +17,7 @@ const SIMSTATE: u32 = 164;
 const HWSTATUS: u32 = 165;
 const AHRS2: u32 = 178;
 const AOA_SSA: u32 = 11_020;
+const ESC_TELEMETRY_1_TO_4: u32 = 11_030;
 
 /// A message, ready for [`Encoder::encode_ardupilot`].
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +83,14 @@ pub fn aoa_ssa(time: Duration, angles_deg: [f64; 2]) -> ArduPilotMessage {
     ArduPilotMessage::new(AOA_SSA, 16, micros.into_iter().chain(floats(angles_deg)))
 }
 
+/// ESC_TELEMETRY_1_TO_4 (<https://mavlink.io/en/messages/ardupilotmega.html#ESC_TELEMETRY_1_TO_4>): of the throttle's
+/// output, the third, V, A and mAh. Nobody counts its turns.
+pub fn esc_telemetry(voltage_v: f64, current_a: f64, consumed_mah: f64) -> ArduPilotMessage {
+    let third = |value: f64| [0, 0, value.round() as u16, 0];
+    let fields = [third(1e2 * voltage_v), third(1e2 * current_a), third(consumed_mah)];
+    ArduPilotMessage::new(ESC_TELEMETRY_1_TO_4, 44, fields.into_iter().flatten().flat_map(u16::to_le_bytes))
+}
+
 fn floats<const N: usize>(values: [f64; N]) -> impl Iterator<Item = u8> {
     values.into_iter().flat_map(|value| (value as f32).to_le_bytes())
 }
@@ -141,6 +150,7 @@ mod tests {
             (aoa_ssa(Duration::from_millis(1500), [1.0, -1.0]), AOA_2),
             (meminfo(), MEMINFO_2),
             (ahrs(), AHRS_2),
+            (esc_telemetry(12.6, 0.3, 5.0), ESC_2),
         ] {
             let mut out = Vec::new();
             Encoder::new(1, 1).encode_ardupilot(&message, &mut out);
@@ -152,6 +162,7 @@ mod tests {
         bytes.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
+    const ESC_2: &str = "fd150000000101162b0000000000ec040000000000001e0000000000000005546e";
     const WIND_2: &str = "fd080000000101a800000000b4c20000c04047b3";
     const WIND_1: &str = "fe0c000101a80000b4c20000c040000000007b7d";
     const EKF_2: &str = "fd160000000101c1000000000000000000000000000000000000000000003f031e87";

@@ -122,7 +122,12 @@ impl Mode {
 
     /// Whether it follows the sticks.
     pub fn is_manual(self) -> bool {
-        self.idles() || matches!(self, Mode::Fbwb | Mode::Cruise)
+        self.idles() || self.holds_speed()
+    }
+
+    /// Whether the sticks set an airspeed and a rate of climb.
+    pub(crate) fn holds_speed(self) -> bool {
+        matches!(self, Mode::Fbwb | Mode::Cruise)
     }
 
     /// Whether a closed throttle idles: the sticks set a bank, and nothing holds the altitude.

@@ -57,6 +57,8 @@ pub struct VehicleSettings {
     pub further_grounds: Vec<SocketAddr>,
     /// What links are for that are those of the autopilot's own simulator: these start with its rates.
     pub link_uses: Vec<(SocketAddr, LinkUse)>,
+    /// What every other link is for; none: they start with the vehicle's own rates.
+    pub other_link_use: Option<LinkUse>,
     /// Clients find the parameters of the real autopilot that the vehicle does not know, too; they change nothing.
     pub stock_parameters: bool,
     /// Parameter files in place of the vehicle's own defaults. What the vehicle does not know is kept for its clients.
@@ -142,6 +144,7 @@ impl Default for VehicleSettings {
             ground: Some(SocketAddr::from(([127, 0, 0, 1], 14550))),
             further_grounds: Vec::new(),
             link_uses: Vec::new(),
+            other_link_use: None,
             cruise_speed_mps: None,
             files_shape_limits: false,
             stock_parameters: false,

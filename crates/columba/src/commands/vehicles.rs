@@ -107,6 +107,12 @@ fn with_planes(flags: &[Layer]) -> Vec<Layer> {
     for (key, value) in ports.as_deref().map_or(&[][..], start_of_simulator) {
         lay(key, &format!("{key} = {value:?}"));
     }
+    if ports.as_deref() == Some("\"ardupilot\"") {
+        // The links have these rates anyhow; the MAV1_ parameters say so, too.
+        for rate in ["attitude_hz", "global_position_int_hz", "vfr_hud_hz", "local_position_ned_hz"] {
+            lay(&format!("autopilot.{rate}"), &format!("autopilot.{rate} = 1.0"));
+        }
+    }
     layers.extend(flags.iter().cloned());
     layers
 }

@@ -30,6 +30,7 @@ impl Autopilot {
                 self.flight.glide();
             }
             Action::Land => self.land_or_return(),
+            Action::Parachute => self.release_parachute(),
         }
         match cause {
             Cause::Setpoints => self.session.failsafes.setpoints.set_lost(true),

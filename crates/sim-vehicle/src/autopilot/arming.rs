@@ -20,6 +20,7 @@ const FORCE_ARMING: f32 = 2989.0;
 /// Bits of ARMING_CHECK (`AP_Arming.h`).
 const CHECK_ALL: u32 = 1;
 const CHECK_GPS: u32 = 1 << 3;
+const CHECK_PARAMETERS: u32 = 1 << 5;
 const CHECK_RECEIVER: u32 = 1 << 6;
 const CHECK_BATTERY: u32 = 1 << 8;
 const CHECK_MISSION: u32 = 1 << 14;
@@ -30,6 +31,7 @@ pub(crate) enum Cause {
     Command,
     MissionStart,
     Landing,
+    Parachute,
     /// It was armed and has not flown.
     Idle,
 }
@@ -121,6 +123,8 @@ impl Autopilot {
             Some("GPS 1: Bad fix".into())
         } else if is_checked(CHECK_RECEIVER) && self.has_failed_receiver() {
             Some("Radio failsafe on".into())
+        } else if let Some(reason) = self.parachute_forbids_arming().filter(|_| is_checked(CHECK_PARAMETERS)) {
+            Some(reason)
         } else {
             let battery = if is_checked(CHECK_BATTERY) { battery::forbids_arming(&self.situation()) } else { None };
             battery.or_else(|| self.session.fence.forbids_arming(&self.situation()))
@@ -176,6 +180,11 @@ impl Autopilot {
             self.session.progress = Progress::at_beginning(&self.mission);
         }
         self.say(Severity::Info, (self.rules.words.disarmed)(cause));
+    }
+
+    /// Whether it flies, or has flown since it was switched on.
+    pub(crate) fn has_flown(&self) -> bool {
+        self.flight.is_flying() || self.session.timers.since(Timer::Flown, self.time).is_some()
     }
 
     fn tell_fence_of_arming(&mut self) {

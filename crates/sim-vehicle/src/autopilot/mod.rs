@@ -20,6 +20,7 @@ pub(crate) mod input;
 pub(crate) mod manual_control;
 pub(crate) mod mission;
 pub(crate) mod outputs;
+mod parachute;
 pub(crate) mod pilot;
 pub(crate) mod plan;
 pub(crate) mod rally;

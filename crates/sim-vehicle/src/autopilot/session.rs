@@ -23,6 +23,7 @@ pub(crate) struct Session {
     pub rudder: RudderStick,
     pub habits: Habits,
     pub outputs: Outputs,
+    pub parachute_is_released: bool,
     /// What is being calibrated.
     pub calibration: Option<Calibration>,
     /// Of an ArduPlane, the pose in which the accelerometer is to be held next to be calibrated, from 0.

@@ -46,12 +46,12 @@ pub(super) const ARDUPLANE: Words = Words {
 pub(super) const PX4: Words = Words {
     armed: |cause| match cause {
         Cause::MissionStart => "Armed by mission start",
-        Cause::Command | Cause::Landing | Cause::Idle => "Armed by external command",
+        Cause::Command | Cause::Landing | Cause::Parachute | Cause::Idle => "Armed by external command",
     },
     disarmed: |cause| match cause {
         Cause::Landing => "Disarmed by landing",
         Cause::Idle => "Disarmed by auto preflight disarming",
-        Cause::Command | Cause::MissionStart => "Disarmed by external command",
+        Cause::Command | Cause::MissionStart | Cause::Parachute => "Disarmed by external command",
     },
     disarmed_after_landing: None,
     contact: Some(["Takeoff detected", "Landing detected"]),

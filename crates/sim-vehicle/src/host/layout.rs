@@ -69,6 +69,11 @@ impl PortLayout {
         }
     }
 
+    /// What every other link is for, where the autopilot's simulator has one kind alone.
+    pub(crate) fn other_link_use(self) -> Option<LinkUse> {
+        matches!(self, Self::ArduPilot { .. }).then_some(LinkUse::GroundStation)
+    }
+
     /// How many vehicles have ports.
     pub fn vehicles_max(self) -> usize {
         match self {

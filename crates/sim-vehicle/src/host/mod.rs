@@ -290,6 +290,7 @@ impl HostSettings {
             settings.further_grounds = grounds.collect();
         }
         settings.link_uses = self.layout.link_uses(self.bind, vehicle);
+        settings.other_link_use = self.layout.other_link_use();
         if self.multicast.is_some() {
             settings.further_grounds.push(SocketAddr::V4(MULTICAST_GROUP));
         }

@@ -452,8 +452,8 @@ impl Links {
 /// The time between two messages of a stream on the link of a peer, until somebody asks for another.
 fn default_interval(settings: &VehicleSettings, peer: PeerId, stream: Stream) -> Option<Duration> {
     let rules = settings.personality.rules();
-    let link_use = settings.link_uses.iter().find(|(address, _)| *address == peer);
-    match link_use.and_then(|(_, link_use)| (rules.link_rates)(*link_use)) {
+    let known = settings.link_uses.iter().find(|(address, _)| *address == peer).map(|(_, link_use)| *link_use);
+    match known.or(settings.other_link_use).and_then(rules.link_rates) {
         Some(rates) => rates.iter().find(|(known, _)| *known == stream).and_then(|(_, rate_hz)| interval_of(*rate_hz)),
         None => stream.default_interval(&settings.rates, rules),
     }

@@ -155,6 +155,10 @@ parameters! {
     // ArduPlane's default climbs to 100 m; ours stays where it is.
     RtlAltitude: "RTL_ALTITUDE", REAL, |_| -1.0, |_| (-1.0, 10_000.0), Effect::Tuning;
     TakeoffAltitude: "TKOFF_ALT", INT16, |_| TAKEOFF_ALTITUDE_M as f32, |_| (0.0, 200.0), Effect::Tuning;
+    // The range that ArduPlane recommends is 0 to 30, and its own tests set 100.
+    ReturnClimb: "RTL_CLIMB_MIN", INT16, |_| 0.0, |_| (0.0, 1000.0), Effect::Tuning;
+    LevelRollLimit: "LEVEL_ROLL_LIMIT", INT8, |_| 5.0, |_| (0.0, 45.0), Effect::Tuning;
+    FlightOptions: "FLIGHT_OPTIONS", INT32, |_| 0.0, |_| (0.0, 131_071.0), Effect::Tuning;
     RtlAutoland: "RTL_AUTOLAND", INT8, |_| 0.0, |_| (0.0, 4.0), Effect::LookedUp;
     DisarmDelay: "LAND_DISARMDELAY", INT8, |_| 20.0, |_| (0.0, 127.0), Effect::LookedUp;
 
@@ -164,6 +168,8 @@ parameters! {
     ThrottleFailsafeValue: "THR_FS_VALUE", INT16, |_| 950.0, |_| (0.0, 2200.0), Effect::LookedUp;
     OverrideTime: "RC_OVERRIDE_TIME", REAL, |_| 3.0, |_| (-1.0, 120.0), Effect::LookedUp;
     RudderArming: "ARMING_RUDDER", INT8, |_| 1.0, |_| (0.0, 2.0), Effect::LookedUp;
+
+    ParachuteEnabled: "CHUTE_ENABLED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;
 
     // The pilot's channels: 1 where more microseconds mean less.
     RollReversed: "RC1_REVERSED", INT8, |_| 0.0, |_| (0.0, 1.0), Effect::LookedUp;

@@ -9,13 +9,13 @@ use crate::parameters::table::Parameter;
 use crate::telemetry::streams::Stream;
 use flight_model::Geodetic;
 use mavlink_bridge::dialect::{
-    ACTUATOR_OUTPUT_STATUS_DATA, AIRSPEED_DATA, ATTITUDE_TARGET_DATA, AirspeedSensorFlags, AttitudeTargetTypemask,
-    DISTANCE_SENSOR_DATA, ESTIMATOR_STATUS_DATA, EstimatorStatusFlags, FLIGHT_INFORMATION_DATA, HIGH_LATENCY2_DATA,
-    HIL_ACTUATOR_CONTROLS_DATA, HilActuatorControlsFlags, HlFailureFlag, MAG_CAL_REPORT_DATA, MANUAL_CONTROL_DATA,
-    MagCalStatus, MavDistanceSensor, MavPowerStatus, MavSensorOrientation, MavType, Message, PING_DATA,
-    POWER_STATUS_DATA, RC_CHANNELS_RAW_DATA, RELAY_STATUS_DATA, SCALED_IMU2_DATA, SCALED_IMU3_DATA,
-    SCALED_PRESSURE2_DATA, SERVO_OUTPUT_RAW_DATA, SIM_STATE_DATA, STORAGE_INFORMATION_DATA, StorageStatus,
-    TERRAIN_REPORT_DATA, TIMESYNC_DATA, VIBRATION_DATA,
+    ACTUATOR_OUTPUT_STATUS_DATA, AIRSPEED_DATA, ATTITUDE_TARGET_DATA, AVAILABLE_MODES_MONITOR_DATA,
+    AirspeedSensorFlags, AttitudeTargetTypemask, DISTANCE_SENSOR_DATA, ESTIMATOR_STATUS_DATA, EstimatorStatusFlags,
+    FLIGHT_INFORMATION_DATA, HIGH_LATENCY2_DATA, HIL_ACTUATOR_CONTROLS_DATA, HilActuatorControlsFlags, HlFailureFlag,
+    MAG_CAL_REPORT_DATA, MANUAL_CONTROL_DATA, MISSION_ITEM_REACHED_DATA, MagCalStatus, MavDistanceSensor,
+    MavPowerStatus, MavSensorOrientation, MavType, Message, PING_DATA, POWER_STATUS_DATA, RC_CHANNELS_RAW_DATA,
+    RELAY_STATUS_DATA, SCALED_IMU2_DATA, SCALED_IMU3_DATA, SCALED_PRESSURE2_DATA, SERVO_OUTPUT_RAW_DATA,
+    SIM_STATE_DATA, STORAGE_INFORMATION_DATA, StorageStatus, TERRAIN_REPORT_DATA, TIMESYNC_DATA, VIBRATION_DATA,
 };
 use mavlink_bridge::{ArduPilotMessage, ardupilot, boot_ms};
 
@@ -84,6 +84,12 @@ impl Instruments<'_> {
                 time_boot_ms: boot_ms(self.time),
                 ..FLIGHT_INFORMATION_DATA::DEFAULT
             }),
+            Stream::MissionItemReached => self.mission_item_reached(),
+            // The modes are always the same.
+            Stream::AvailableModesMonitor => Message::AVAILABLE_MODES_MONITOR(AVAILABLE_MODES_MONITOR_DATA { seq: 0 }),
+            Stream::DroneIdBasic => self.drone_id_basic(),
+            Stream::DroneIdLocation => self.drone_id_location(),
+            Stream::DroneIdSystem => self.drone_id_system(),
             Stream::Airspeed => self.airspeed(),
             Stream::RelayStatus => Message::RELAY_STATUS(RELAY_STATUS_DATA {
                 time_boot_ms: boot_ms(self.time),
@@ -107,6 +113,10 @@ impl Instruments<'_> {
                 ardupilot::simstate(self.attitude_rad(), readings.force_mps2, readings.rates_radps, place_e7())
             }
             Stream::Hwstatus => ardupilot::hwstatus(BOARD_MV),
+            Stream::EscTelemetry => {
+                let battery = self.world.battery();
+                ardupilot::esc_telemetry(battery.voltage_v(), battery.current_a(), battery.consumed_mah())
+            }
             Stream::AoaSsa => ardupilot::aoa_ssa(self.time, [0.0, 0.0]),
             _ => return None,
         })
@@ -117,7 +127,7 @@ impl Instruments<'_> {
     }
 
     /// Where it thinks it is.
-    fn place(&self) -> Geodetic {
+    pub(super) fn place(&self) -> Geodetic {
         let state = self.flight.estimate();
         self.frame.to_geodetic(state.x_m, state.y_m, state.altitude_m)
     }
@@ -274,6 +284,12 @@ impl Instruments<'_> {
             temperature: (1e2 * readings.temperature_c).round() as i16,
             ..SCALED_PRESSURE2_DATA::DEFAULT
         })
+    }
+
+    /// The item that was reached last; 65535 before there is any.
+    fn mission_item_reached(&self) -> Message {
+        let seq = self.autopilot.session.progress.reached().map_or(u16::MAX, |(seq, _)| seq);
+        Message::MISSION_ITEM_REACHED(MISSION_ITEM_REACHED_DATA { seq })
     }
 
     fn airspeed(&self) -> Message {

@@ -4,6 +4,7 @@
 #![allow(deprecated)]
 
 pub(crate) mod announce;
+mod drone_id;
 mod extra;
 mod navigation;
 mod peripherals;
@@ -76,8 +77,8 @@ impl Instruments<'_> {
     /// Whether there is anything to say when a stream is due; asked for, it is said anyhow.
     pub fn has(&self, stream: Stream) -> bool {
         match stream {
-            Stream::FenceStatus => self.fence.is_enabled,
             _ if self.rules.commands == CommandSet::Px4 => px4_streams(self.autopilot, stream),
+            Stream::FenceStatus => self.fence.is_enabled,
             _ => true,
         }
     }

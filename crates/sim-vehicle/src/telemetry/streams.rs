@@ -90,6 +90,12 @@ streams! {
     CurrentMode = 436,
     HilStateQuaternion = 115,
     AutopilotStateForGimbalDevice = 286,
+    MissionItemReached = 46,
+    AvailableModesMonitor = 437,
+    EscTelemetry = 11_030,
+    DroneIdBasic = 12_900,
+    DroneIdLocation = 12_901,
+    DroneIdSystem = 12_904,
     AoaSsa = 11_020,
     LocalPositionNed = 32,
 }

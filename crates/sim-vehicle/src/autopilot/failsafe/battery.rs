@@ -51,7 +51,7 @@ fn action_of(value: f32) -> Result<Action, &'static str> {
         0 => Ok(Action::Warn),
         2 | 4 | 6 => Ok(Action::Land),
         3 => Err("termination"),
-        5 => Err("parachute"),
+        5 => Ok(Action::Parachute),
         _ => Ok(Action::Mode(Mode::Rtl)),
     }
 }

@@ -43,7 +43,7 @@ impl GroundStationWatch {
         self.is_lost = true;
         let value = now.get(Parameter::LongFailsafeAction);
         let action = long_action(value, now.mode());
-        let text = long_text("GCS", value, action, now.mode());
+        let text = long_text("GCS", action, now);
         Some(Proposal::new(Cause::GroundStation, action).saying(Severity::Warning, text))
     }
 }

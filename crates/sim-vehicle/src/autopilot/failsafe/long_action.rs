@@ -2,19 +2,18 @@
 //! receiver that fails.
 
 use super::proposal::Action;
+use crate::autopilot::situation::Situation;
 use crate::mode::Mode;
+use crate::parameters::table::Parameter;
 
-/// The value of FS_LONG_ACTN that releases a parachute.
-pub(super) const PARACHUTE: f32 = 3.0;
-
-/// What FS_LONG_ACTN brings about in a mode: GUIDED and AUTO go on by default, and other modes return. There is no
-/// parachute (3), and AUTOLAND (5) is not simulated: RTL, as where it is not possible.
+/// What FS_LONG_ACTN brings about in a mode: GUIDED and AUTO go on by default, and other modes return. AUTOLAND (5) is
+/// not simulated: RTL, as where it is not possible. A parachute (3) that is not enabled is not released.
 pub(super) fn long_action(value: f32, mode: Mode) -> Action {
     match value as u8 {
         4 => Action::Mode(Mode::Auto),
         _ if mode == Mode::Rtl => Action::Warn,
         2 => Action::Glide,
-        3 => Action::Warn,
+        3 => Action::Parachute,
         1 | 5 => Action::Mode(Mode::Rtl),
         _ if matches!(mode, Mode::Guided | Mode::Auto) => Action::Warn,
         _ => Action::Mode(Mode::Rtl),
@@ -22,12 +21,14 @@ pub(super) fn long_action(value: f32, mode: Mode) -> Action {
 }
 
 /// What is said of it; `what` is "GCS" or "RC Long".
-pub(super) fn long_text(what: &str, value: f32, action: Action, now: Mode) -> String {
-    let mode = action.mode_after(now);
-    if value == PARACHUTE && action == Action::Warn {
-        format!("{what} Failsafe On: no parachute, stays in {mode}")
-    } else {
-        format!("{what} Failsafe On: switched to {mode}")
+pub(super) fn long_text(what: &str, action: Action, now: &Situation<'_>) -> String {
+    let mode = action.mode_after(now.mode());
+    match action {
+        Action::Parachute if now.get(Parameter::ParachuteEnabled) == 0.0 => {
+            format!("{what} Failsafe On: no parachute, stays in {mode}")
+        }
+        Action::Parachute => format!("{what} Failsafe On: parachute, stays in {mode}"),
+        _ => format!("{what} Failsafe On: switched to {mode}"),
     }
 }
 
@@ -43,7 +44,7 @@ mod tests {
             (0.0, Action::Warn, RETURN, Action::Warn),
             (1.0, RETURN, RETURN, Action::Warn),
             (2.0, Action::Glide, Action::Glide, Action::Warn),
-            (3.0, Action::Warn, Action::Warn, Action::Warn),
+            (3.0, Action::Parachute, Action::Parachute, Action::Warn),
             (4.0, AUTO, AUTO, AUTO),
             (5.0, RETURN, RETURN, Action::Warn),
         ] {

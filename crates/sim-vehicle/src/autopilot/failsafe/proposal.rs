@@ -40,6 +40,8 @@ pub(crate) enum Action {
     Land,
     /// FBWA with the engine idle.
     Glide,
+    /// The parachute.
+    Parachute,
 }
 
 impl Action {
@@ -48,7 +50,7 @@ impl Action {
         match self {
             Self::Mode(mode) => mode,
             Self::Glide => Mode::Fbwa,
-            Self::Warn | Self::Land => now,
+            Self::Warn | Self::Land | Self::Parachute => now,
         }
     }
 }

@@ -129,7 +129,7 @@ impl ReceiverWatch {
         self.stage = Stage::Long;
         let value = now.get(Parameter::LongFailsafeAction);
         let action = long_action(value, now.mode());
-        let text = long_text("RC Long", value, action, now.mode());
+        let text = long_text("RC Long", action, now);
         Some(Proposal::new(Cause::ReceiverLong, action).saying(Severity::Warning, text))
     }
 

@@ -55,15 +55,27 @@ impl Sticks {
         bank_max_rad: f64,
         dynamics: &Dynamics,
     ) -> Setpoint {
-        let tau = dynamics.time_constants;
         if self.roll != 0.0 {
             let gravity_mps2 = dynamics.limits.gravity_mps2;
             let turn_rate_radps = gravity_mps2 * libm::tan(self.roll * bank_max_rad) / airspeed_mps.max(1.0);
             // The course loop turns by its error over its time constant.
-            setpoint.course_rad = state.course_rad + turn_rate_radps * tau.course_s;
+            setpoint.course_rad = state.course_rad + turn_rate_radps * dynamics.time_constants.course_s;
         }
+        self.climb(setpoint, mode, state, airspeed_mps, dynamics)
+    }
+
+    /// A setpoint with the climb that the pitch stick asks for in the place of the altitude that was held.
+    pub(super) fn climb(
+        &self,
+        mut setpoint: Setpoint,
+        mode: Mode,
+        state: &State,
+        airspeed_mps: f64,
+        dynamics: &Dynamics,
+    ) -> Setpoint {
         if self.pitch != 0.0 {
-            let full_mps = if matches!(mode, Mode::Fbwb | Mode::Cruise) { CLIMB_MPS } else { SLOPE * airspeed_mps };
+            let tau = dynamics.time_constants;
+            let full_mps = if mode.holds_speed() { CLIMB_MPS } else { SLOPE * airspeed_mps };
             let climb_mps = self.pitch * full_mps;
             setpoint.altitude_m = state.altitude_m + climb_mps * (tau.altitude_a_s + tau.altitude_b_s);
         }

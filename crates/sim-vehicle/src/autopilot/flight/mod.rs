@@ -8,6 +8,7 @@ pub(crate) mod guidance;
 mod landing;
 pub(crate) mod manual;
 mod modes;
+mod options;
 mod ramp;
 mod steering;
 mod step;
@@ -26,6 +27,7 @@ use guidance::{Direction, RallyPlace};
 use landing::Landing;
 use manual::Sticks;
 use nalgebra::Vector2;
+use options::{FirstClimb, Options};
 use ramp::Ramp;
 use tuning::Tuning;
 
@@ -62,6 +64,8 @@ pub(crate) struct Flight {
     /// Where GUIDED was entered: released from a course, the vehicle circles here.
     guided_point: Vector2<f64>,
     rally: Option<RallyPlace>,
+    /// The climb that a return has begun with.
+    first_climb: Option<FirstClimb>,
     /// An airspeed, unless it was asked for over ground.
     speed: Ramp,
     speed_is_over_ground: bool,
@@ -107,6 +111,7 @@ impl Flight {
                 takeoff_altitude_m: TAKEOFF_ALTITUDE_M,
                 lateral_overload_max: f64::INFINITY,
                 stick_bank_max_rad: manual::BANK_MAX_RAD,
+                options: Options::default(),
             },
             lateral_limit_mps2: f64::INFINITY,
             start,
@@ -124,6 +129,7 @@ impl Flight {
             home: Home::default(),
             guided_point: start.position_m(),
             rally: None,
+            first_climb: None,
             speed: Ramp::at(start.speed_mps),
             speed_is_over_ground: false,
             led_acceleration_mps2: settings.led_acceleration_mps2,

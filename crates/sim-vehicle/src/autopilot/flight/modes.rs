@@ -62,23 +62,20 @@ impl Flight {
     /// What the sticks say from now on; none: nobody holds any. Who lets go of one goes on as it is.
     pub fn set_sticks(&mut self, sticks: Option<Sticks>) {
         let before = std::mem::replace(&mut self.sticks, sticks);
-        if before == sticks || !self.mode.is_manual() {
+        if before == sticks {
             return;
         }
         let held = |sticks: Option<Sticks>, stick: fn(Sticks) -> f64| sticks.is_some_and(|s| stick(s) != 0.0);
+        if self.climbs_by_stick() && held(before, |s| s.pitch) && !held(sticks, |s| s.pitch) {
+            self.altitude = Ramp::at(self.state.altitude_m);
+        }
+        if !self.mode.is_manual() {
+            return;
+        }
         if held(before, |s| s.roll) && !held(sticks, |s| s.roll) {
             self.hold_course();
         }
-        if held(before, |s| s.pitch) && !held(sticks, |s| s.pitch) {
-            self.altitude = Ramp::at(self.state.altitude_m);
-        }
-        if let Some(throttle) = sticks.and_then(|sticks| sticks.throttle) {
-            let limits = self.dynamics.limits;
-            self.set_speed(
-                limits.speed_min_mps + throttle * (limits.speed_max_mps - limits.speed_min_mps),
-                f64::INFINITY,
-            );
-        }
+        self.follow_throttle();
     }
 
     /// Flies by other parameters from now on: a circle whose radius has changed is flown with the new one where it is.
@@ -94,6 +91,7 @@ impl Flight {
         }
         match self.mode {
             Mode::Loiter | Mode::Circle | Mode::Rtl => self.fly_by_itself(),
+            mode if mode.holds_speed() => self.follow_throttle(),
             _ => {}
         }
     }
@@ -140,6 +138,7 @@ impl Flight {
         self.altitude = Ramp::at(now.altitude_m);
         self.altitude_is_slewed = false;
         self.set_attitude(None);
+        self.end_first_climb();
         self.set_course(now.course_rad, f64::INFINITY);
         let here = now.position_m();
         match mode {
@@ -149,9 +148,8 @@ impl Flight {
             | Mode::Acro
             | Mode::Autotune
             | Mode::Fbwa
-            | Mode::Fbwb
-            | Mode::Cruise
             | Mode::Offboard => {}
+            Mode::Fbwb | Mode::Cruise => self.follow_throttle(),
             Mode::Takeoff => {
                 // From the ground, above the ground. Who is higher already stays there, as in ArduPlane.
                 let base_m = if self.is_on_ground() { now.altitude_m } else { self.home.altitude_m };
@@ -162,6 +160,7 @@ impl Flight {
             Mode::Rtl => {
                 self.circle(self.rally.map_or(self.home.at(), |rally| rally.at), self.tuning.rtl_radius_m);
                 self.fly_by_itself();
+                self.climb_first();
             }
             Mode::Loiter | Mode::Circle => {
                 self.circle(here, self.tuning.loiter_radius_m);

@@ -237,7 +237,9 @@ impl Flight {
         let mut dynamics = self.dynamics;
         // The limit of a guided course is not that of a bank that is asked for.
         let limit_mps2 = if self.is_banked() { f64::INFINITY } else { self.lateral_limit_mps2 };
-        let overload = (limit_mps2 / dynamics.limits.gravity_mps2).min(self.tuning.lateral_overload_max);
+        let overload = (limit_mps2 / dynamics.limits.gravity_mps2)
+            .min(self.tuning.lateral_overload_max)
+            .min(self.first_climb_overload().unwrap_or(f64::INFINITY));
         let limits = &mut dynamics.limits;
         limits.lateral_overload_max = overload.min(limits.lateral_overload_max);
         limits.climb_max_mps = self.tuning.climb_max_mps.min(limits.climb_max_mps);

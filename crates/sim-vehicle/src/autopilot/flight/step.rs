@@ -52,10 +52,14 @@ impl Flight {
             let shortfall_mps = self.least_ground_speed_mps - self.state.speed_mps;
             setpoint.speed_mps = setpoint.speed_mps.max(self.equivalent_airspeed_mps() + shortfall_mps);
         }
+        setpoint = self.with_first_climb(setpoint);
         if let Some(sticks) = self.hands() {
             let bank_max_rad = self.tuning.stick_bank_max_rad;
             setpoint =
                 sticks.steer(setpoint, self.mode, &self.state, self.airspeed_mps(), bank_max_rad, &self.dynamics);
+        }
+        if let Some(sticks) = self.sticks.filter(|_| self.climbs_by_stick() && !self.mode.is_manual()) {
+            setpoint = sticks.climb(setpoint, Mode::Fbwb, &self.state, self.airspeed_mps(), &self.dynamics);
         }
         if self.attitude.is_some() {
             setpoint = self.steer_by_attitude(setpoint);
@@ -93,6 +97,11 @@ impl Flight {
     /// The sticks, in the modes that they fly.
     fn hands(&self) -> Option<Sticks> {
         self.sticks.filter(|_| self.mode.is_manual())
+    }
+
+    /// Whether the pitch stick changes its altitude.
+    pub(super) fn climbs_by_stick(&self) -> bool {
+        self.mode.is_manual() || self.mode == Mode::Loiter && self.tuning.options.climbs_in_loiter
     }
 
     /// Whether its engine gives nothing: it has none, or it is led down without it.

@@ -1,6 +1,7 @@
 //! What parameters change of a flight.
 
 use super::manual::BANK_MAX_RAD;
+use super::options::Options;
 use crate::parameters::Parameters;
 use crate::parameters::table::Parameter;
 
@@ -25,6 +26,7 @@ pub(crate) struct Tuning {
     pub lateral_overload_max: f64,
     /// Greatest bank that a stick asks for, rad.
     pub stick_bank_max_rad: f64,
+    pub options: Options,
 }
 
 impl Tuning {
@@ -44,6 +46,7 @@ impl Tuning {
             lateral_overload_max: set(Parameter::RollLimit)
                 .map_or(f64::INFINITY, |limit_deg| libm::tan(limit_deg.to_radians())),
             stick_bank_max_rad: set(Parameter::RollLimit).map_or(BANK_MAX_RAD, f64::to_radians),
+            options: Options::of(parameters),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Items of a mission that need no flying: jumps, and commands on the way.
 
 use super::conditions::Waiting;
-use super::items::{CHANGE_SPEED, FENCE_ENABLE, JUMP, RELAY, SERVO, SET_HOME};
+use super::items::{CHANGE_SPEED, FENCE_ENABLE, JUMP, PARACHUTE, RELAY, SERVO, SET_HOME};
 use super::names;
 use crate::autopilot::Autopilot;
 use crate::autopilot::home::Home;
@@ -71,6 +71,7 @@ impl Autopilot {
                 let [servo, pulse_us, ..] = item.params;
                 let _ = self.set_servo([servo, pulse_us]);
             }
+            PARACHUTE if self.rules.keeps_items_in_bytes => self.use_parachute(item.params[0]),
             RELAY if self.rules.keeps_items_in_bytes => {
                 let [relay, state, ..] = item.params;
                 let _ = self.set_relay([relay, state]);

@@ -17,6 +17,7 @@ pub(super) const TAKEOFF: u16 = MavCmd::MAV_CMD_NAV_TAKEOFF as u32 as u16;
 pub(super) const CHANGE_ALTITUDE: u16 = MavCmd::MAV_CMD_NAV_CONTINUE_AND_CHANGE_ALT as u32 as u16;
 pub(super) const LOITER_TO_ALTITUDE: u16 = MavCmd::MAV_CMD_NAV_LOITER_TO_ALT as u32 as u16;
 pub(super) const JUMP: u16 = MavCmd::MAV_CMD_DO_JUMP as u32 as u16;
+pub(super) const PARACHUTE: u16 = MavCmd::MAV_CMD_DO_PARACHUTE as u32 as u16;
 pub(super) const RELAY: u16 = MavCmd::MAV_CMD_DO_SET_RELAY as u32 as u16;
 pub(super) const SERVO: u16 = MavCmd::MAV_CMD_DO_SET_SERVO as u32 as u16;
 pub(super) const CHANGE_SPEED: u16 = MavCmd::MAV_CMD_DO_CHANGE_SPEED as u32 as u16;

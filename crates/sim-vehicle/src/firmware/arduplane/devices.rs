@@ -12,7 +12,7 @@ const DENIED: Option<CommandResult> = Some(CommandResult::Denied);
 const FAILED: Option<CommandResult> = Some(CommandResult::Failed);
 
 /// A command, its result, which params that result asks for, and what the command is for.
-const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 39] = [
+const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 38] = [
     (185, FAILED, Asks::Nothing, "advanced failsafe"),
     (197, ACCEPTED, Asks::Nothing, "region of interest"),
     (198, ACCEPTED, Asks::Nothing, "region of interest"),
@@ -21,7 +21,6 @@ const ANSWERS: [(u16, Option<CommandResult>, Asks, &str); 39] = [
     (204, FAILED, Asks::Nothing, "mount"),
     (205, FAILED, Asks::Nothing, "mount"),
     (206, ACCEPTED, Asks::Nothing, "camera"),
-    (208, ACCEPTED, Asks::OneOf(1, &[0, 1], CommandResult::Failed), "parachute"),
     (209, FAILED, Asks::Nothing, "lift motor"),
     (211, FAILED, Asks::Nothing, "gripper"),
     (212, ACCEPTED, Asks::Nothing, "autotune"),
@@ -100,10 +99,14 @@ const START_COMPASS_CALIBRATION: u16 = 42_424;
 
 const ACCEPT_COMPASS_CALIBRATION: u16 = 42_425;
 const CANCEL_COMPASS_CALIBRATION: u16 = 42_426;
+const PARACHUTE: u16 = 208;
 
 /// The answer to a command for a device that is not there, and what is remembered of it; none if the command is not for
 /// one.
 pub(crate) fn execute(autopilot: &mut Autopilot, command: u16, params: [f32; 4]) -> Option<Result<(), CommandError>> {
+    if command == PARACHUTE {
+        return Some(autopilot.command_parachute(params[0]));
+    }
     let answer = answer(command, params, autopilot.flight.is_armed())?;
     Some(answer.and_then(|()| calibrate_compasses(&mut autopilot.session.compasses_are_calibrated, command)))
 }
@@ -161,7 +164,6 @@ mod tests {
     #[test]
     fn params_are_read_where_an_arduplane_reads_them() {
         for (command, params, result) in [
-            (208, [2.0, 0.0, 0.0, 0.0], CommandResult::Failed),
             (532, [3.0, 0.0, 0.0, 0.0], CommandResult::Denied),
             (532, [4.0, 0.0, 0.0, 0.0], CommandResult::Failed),
             (2600, [0.5, 0.0, 0.0, 0.0], CommandResult::Failed),

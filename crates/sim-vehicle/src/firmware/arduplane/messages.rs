@@ -5,9 +5,8 @@ use crate::telemetry::streams::Stream;
 
 /// What has nothing to say where there is no such device, or nothing that has happened: its rate can be set, it is
 /// accepted when asked for, and nothing comes.
-const WITHOUT_CONTENT: [(u16, &str); 34] = [
+const WITHOUT_CONTENT: [(u16, &str); 30] = [
     (22, "list of parameters under way"),
-    (46, "item that was just reached"),
     (100, "optical flow sensor"),
     (124, "second GPS"),
     (127, "RTK GPS"),
@@ -32,19 +31,16 @@ const WITHOUT_CONTENT: [(u16, &str); 34] = [
     (280, "gimbal"),
     (281, "gimbal"),
     (285, "gimbal"),
-    (286, "gimbal"),
     (301, "vessel received"),
     (373, "generator"),
     // Asked for once they are sent, one after the other.
     (435, "list of modes under way"),
-    (437, "mode that has changed"),
     (9005, "winch"),
     (10_008, "transponder"),
-    (11_030, "ESC telemetry"),
 ];
 
 /// Messages of other autopilots.
-const UNKNOWN: [u16; 9] = [4, 69, 93, 111, 115, 230, 261, 375, 436];
+const UNKNOWN: [u16; 12] = [4, 69, 93, 111, 115, 230, 261, 375, 436, 12_900, 12_901, 12_904];
 
 /// A message as an ArduPlane offers it.
 pub(in crate::firmware) fn offer(message_id: u32) -> Offer {

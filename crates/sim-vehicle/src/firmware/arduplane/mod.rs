@@ -2,6 +2,7 @@
 
 pub(super) mod commands;
 pub(super) mod devices;
+mod link_rates;
 pub(super) mod messages;
 pub(super) mod mission_items;
 mod renamed;
@@ -82,7 +83,7 @@ pub(super) const RULES: Rules = Rules {
     // Of the sticks it tells unasked.
     more_streams: &[(Stream::RcChannels, |rates| &mut rates.sys_status_hz)],
     answers_in_mavlink_1: true,
-    link_rates: |_| None,
+    link_rates: link_rates::of,
 };
 
 /// FENCE_ACTION.

@@ -25,18 +25,22 @@ pub(in crate::firmware) fn offer(message_id: u32) -> Offer {
 }
 
 /// Whether a message that is due is sent: what it steers for is told on the ground too, though not when it is asked
-/// for; a wind is known in the air alone.
+/// for; a wind is known in the air alone. MISSION_CURRENT is the mission protocol's, which nobody can ask for; the
+/// others that nobody can ask for are other autopilots'.
 pub(in crate::firmware) fn streams(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {
         Stream::WindCov => autopilot.flight.is_flying(),
+        Stream::MissionCurrent => true,
+        other if offer(other.message_id()) == Offer::None => false,
         other => has(autopilot, other),
     }
 }
 
-/// Whether a message has content: no place to fly to is told on the ground, and sticks that nobody holds.
+/// Whether a message has content: no place to fly to is told before it has flown, and sticks that nobody holds.
 pub(in crate::firmware) fn has(autopilot: &Autopilot, stream: Stream) -> bool {
     match stream {
-        Stream::NavControllerOutput | Stream::PositionTargetGlobalInt => autopilot.flight.is_flying(),
+        Stream::NavControllerOutput => autopilot.flight.is_flying(),
+        Stream::PositionTargetGlobalInt => autopilot.has_flown(),
         Stream::RcChannels => autopilot.are_sticks_held(),
         // It has one sensor of each.
         Stream::ScaledImu2 | Stream::ScaledImu3 | Stream::ScaledPressure2 => false,
