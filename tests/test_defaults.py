@@ -84,9 +84,9 @@ def listed(craft):
     return by_name
 
 
-def recorded(autopilot):
+def recorded(autopilot, file="stock.params"):
     """Names, values and types of the stock autopilot, as they were recorded."""
-    path = PROJECT / "crates/sim-vehicle/src/firmware" / autopilot / "stock.params"
+    path = PROJECT / "crates/sim-vehicle/src/firmware" / autopilot / file
     rows = [line.split("\t") for line in path.read_text().splitlines() if not line.startswith("#")]
     return {name: (float(value), int(kind)) for _, _, name, value, kind in rows}
 
@@ -103,6 +103,23 @@ def test_an_arduplane_has_all_parameters_of_the_real_one(start_vehicles, how):
     assert write(craft, "GPS_AUTO_SWITCH", 2).param_value == 2
     assert write(craft, "THR_MIN", 300).param_value == 127, "as much as the type has room for"
     assert [read(craft, name).param_value for name in ("GPS_AUTO_SWITCH", "THR_MIN")] == [2, 127]
+
+
+def test_an_arduplane_has_parameters_that_it_does_not_list(start_vehicles, parameter_file):
+    """Those of what is switched off: a client that knows a name reads and sets it."""
+    options = ("--ports", "ardupilot", "--defaults", parameter_file("RNGFND1_MIN 2\n"))
+    craft = start_vehicles("--count", 1, *options, ground_port=0).connect()[0]
+    found, unlisted = listed(craft), recorded("arduplane", "unlisted.params")
+    assert len(unlisted) == 1683
+    assert set(unlisted) & set(found) == {"RNGFND1_MIN"}, "a file's are listed"
+    for name in ("OSD1_ALTITUDE_EN", "BATT2_CAPACITY", "CHUTE_ALT_MIN", "RNGFND2_MIN"):
+        answer = read(craft, name)
+        assert (answer.param_value, answer.param_type) == (pytest.approx(unlisted[name][0]), unlisted[name][1])
+        assert (answer.param_index, answer.param_count) == (65535, len(found))
+    assert read(craft, "RNGFND1_MIN").param_value == 2
+    assert write(craft, "OSD1_ALTITUDE_EN", 1).param_value == 1
+    assert read(craft, "OSD1_ALTITUDE_EN").param_value == 1
+    assert set(listed(craft)) == set(found)
 
 
 def test_a_px4_has_all_parameters_of_the_real_one(start_vehicles):

@@ -9,19 +9,27 @@ use std::sync::OnceLock;
 /// A recorded list, read when somebody asks for it first.
 pub(crate) struct Stock {
     text: &'static str,
+    /// What the autopilot has and does not list, as long as it is switched off.
+    unlisted_text: &'static str,
     file: OnceLock<ParameterFile>,
+    unlisted: OnceLock<ParameterFile>,
     kinds: OnceLock<HashMap<String, MavParamType>>,
 }
 
 impl Stock {
-    /// A list in QGroundControl's form.
-    const fn new(text: &'static str) -> Self {
-        Self { text, file: OnceLock::new(), kinds: OnceLock::new() }
+    /// Two lists in QGroundControl's form.
+    const fn new(text: &'static str, unlisted_text: &'static str) -> Self {
+        Self { text, unlisted_text, file: OnceLock::new(), unlisted: OnceLock::new(), kinds: OnceLock::new() }
     }
 
     /// What it says.
     pub fn parameters(&self) -> &ParameterFile {
         self.file.get_or_init(|| ParameterFile::recorded(self.text))
+    }
+
+    /// What clients can read and set by its name, and no list has.
+    pub fn unlisted(&self) -> &ParameterFile {
+        self.unlisted.get_or_init(|| ParameterFile::recorded(self.unlisted_text))
     }
 
     /// The type of a parameter; none if the name is not known. A further battery, sensor or link has the parameters of
@@ -43,9 +51,10 @@ impl Stock {
 }
 
 /// ArduPlane's.
-pub(super) static ARDUPLANE: Stock = Stock::new(include_str!("arduplane/stock.params"));
+pub(super) static ARDUPLANE: Stock =
+    Stock::new(include_str!("arduplane/stock.params"), include_str!("arduplane/unlisted.params"));
 /// PX4's.
-pub(super) static PX4: Stock = Stock::new(include_str!("px4/stock.params"));
+pub(super) static PX4: Stock = Stock::new(include_str!("px4/stock.params"), "");
 
 /// A name with something else for each of its numbers.
 fn pattern(name: &str, number: &str) -> String {
@@ -77,6 +86,8 @@ mod tests {
             let lines = stock.text.lines().filter(|line| !line.starts_with('#')).count();
             assert_eq!((lines, stock.parameters().entries().len()), (count, count));
             assert!(stock.parameters().entries().iter().all(|entry| entry.kind.is_some()));
+            let is_listed = |name: &str| stock.parameters().entries().iter().any(|entry| entry.name == name);
+            assert!(stock.unlisted().entries().iter().all(|entry| entry.kind.is_some() && !is_listed(&entry.name)));
         }
     }
 

@@ -17,7 +17,7 @@ use mavlink_bridge::dialect::MavParamType::{
     MAV_PARAM_TYPE_REAL32 as REAL, MAV_PARAM_TYPE_UINT8 as UINT8, MAV_PARAM_TYPE_UINT16 as UINT16,
     MAV_PARAM_TYPE_UINT32 as UINT32,
 };
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -182,9 +182,22 @@ impl ParameterFile {
     /// Those that do not act, inert, behind those of the stock autopilot if it is to have them; all vehicles share one
     /// list.
     pub(super) fn inert(&self, rules: &'static Rules, has_stock: bool, acts: impl Fn(&str) -> bool) -> Inert {
-        let inert = || Inert::new(self.inert_parameters(rules, has_stock, &acts));
+        let inert = || {
+            Inert::new(
+                self.inert_parameters(rules, has_stock, &acts),
+                self.unlisted_parameters(rules, has_stock, &acts),
+            )
+        };
         let (of, with_stock, shared) = self.0.inert.get_or_init(|| (rules, has_stock, inert()));
         if std::ptr::eq(*of, rules) && *with_stock == has_stock { shared.clone() } else { inert() }
+    }
+
+    /// What the stock autopilot has and does not list, but for what acts or stands in these files.
+    fn unlisted_parameters(&self, rules: &Rules, has_stock: bool, acts: impl Fn(&str) -> bool) -> Vec<InertParameter> {
+        let unlisted = (rules.stock)().filter(|_| has_stock).map_or(&[][..], |stock| stock.unlisted().entries());
+        let own: BTreeSet<String> = self.entries().iter().map(|entry| rules.parameter_key(&entry.name)).collect();
+        let is_free = |entry: &&ParameterEntry| !acts(&entry.name) && !own.contains(&rules.parameter_key(&entry.name));
+        unlisted.iter().filter(is_free).map(|entry| InertParameter::new(entry, rules, true)).collect()
     }
 
     fn inert_parameters(&self, rules: &Rules, has_stock: bool, acts: impl Fn(&str) -> bool) -> Vec<InertParameter> {

@@ -16,6 +16,8 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inert {
     list: Arc<Vec<InertParameter>>,
+    /// So many from the first are in the list of a client; the others have a name alone.
+    listed: usize,
     /// By index, in place of the value in the list.
     own: BTreeMap<usize, OwnValue>,
 }
@@ -40,13 +42,16 @@ struct OwnValue {
 }
 
 impl Inert {
-    /// Those of the stock autopilot and of files, which name each only once.
-    pub fn new(parameters: Vec<InertParameter>) -> Self {
-        Self { list: Arc::new(parameters), own: BTreeMap::new() }
+    /// Those of the stock autopilot and of files, which name each only once, and those that are not listed.
+    pub fn new(mut parameters: Vec<InertParameter>, unlisted: Vec<InertParameter>) -> Self {
+        let listed = parameters.len();
+        parameters.extend(unlisted);
+        Self { list: Arc::new(parameters), listed, own: BTreeMap::new() }
     }
 
+    /// How many are listed.
     pub fn len(&self) -> usize {
-        self.list.len()
+        self.listed
     }
 
     pub fn get(&self, index: usize) -> Option<&InertParameter> {
