@@ -9,6 +9,8 @@ use std::time::Duration;
 const COURSE_CHANGE_BEHIND_LINK_RAD: f64 = 1.6;
 /// Over a link another side has to be better by this, m.
 const SIDE_BEHIND_LINK_M: f64 = 0.5;
+/// Vehicles that turn later than this after a command is sent answer late, s.
+const ANSWERS_LATE_S: f64 = 0.1;
 /// What a change of the commanded velocity costs where vehicles answer late, s (docs/dynamics.md).
 const COMMAND_COST_S: f64 = 1.0;
 
@@ -84,7 +86,8 @@ impl FlockSettings {
         ranges.errors()
     }
 
-    /// The same for vehicles behind a link: evasions keep their side, and no command asks for a hard turn at once.
+    /// The same for vehicles behind a link that takes so long to them, s: evasions keep their side, and no command asks
+    /// for a hard turn at once.
     /// Where it acts the vehicle may be on another course than foreseen, and a gust may have turned its nose; of a
     /// turn of nearly half a circle the short way round is then the wrong one, into what is evaded.
     ///
@@ -93,9 +96,10 @@ impl FlockSettings {
     /// to tick, it would fly straight into what is dead ahead. One that answers at once is turned from where it is: in
     /// gusts its commands say less of where it goes.
     #[must_use]
-    pub fn behind_a_link(mut self) -> Self {
+    pub fn behind_a_link(mut self, delay_s: f64) -> Self {
         self.side_m = SIDE_BEHIND_LINK_M;
-        let answers_late = self.dynamics.iter().any(|dynamics| dynamics.response.course_dead_time_s > 0.0);
+        let acts_after_s = |dynamics: &Dynamics| delay_s + dynamics.response.course_dead_time_s;
+        let answers_late = self.dynamics.iter().any(|dynamics| acts_after_s(dynamics) > ANSWERS_LATE_S);
         let law = &mut self.controller.law;
         if answers_late && law.side_rule == SideRule::Auto {
             law.side_rule = SideRule::Command;

@@ -82,14 +82,16 @@ mod tests {
     #[test]
     fn the_side_is_kept_where_vehicles_answer_late_unless_a_scenario_says_otherwise() {
         let expected = Expected { speed_mps: 10.0, course_rad: 0.0, altitude_m: 50.0 };
-        let law = FlockSettings::new(expected).behind_a_link().controller.law;
+        let law = FlockSettings::new(expected).behind_a_link(0.05).controller.law;
         assert!(law.side_rule == SideRule::Auto && law.command_cost_s == 0.0);
         let mut late = FlockSettings::new(expected);
         late.dynamics[0].response.course_dead_time_s = 0.2;
-        let law = late.clone().behind_a_link().controller.law;
-        assert!(law.side_rule == SideRule::Command && law.command_cost_s > 0.0);
+        for late in [late.clone().behind_a_link(0.0), FlockSettings::new(expected).behind_a_link(0.2)] {
+            let law = late.controller.law;
+            assert!(law.side_rule == SideRule::Command && law.command_cost_s > 0.0);
+        }
         let printed = FlockSettings { controller: crate::ControllerSettings::paper(), ..late };
-        let law = printed.behind_a_link().controller.law;
+        let law = printed.behind_a_link(0.2).controller.law;
         assert!(law.side_rule == SideRule::Course && law.command_cost_s == 0.0);
     }
 }

@@ -98,7 +98,8 @@ pub async fn fly<W: World>(
 ) -> anyhow::Result<(Flight, Option<Log>)> {
     let over_ground = world.tells_ground_speeds();
     let settings = if over_ground { scenario.flock_settings_over_ground() } else { scenario.flock_settings() };
-    let settings = if world.watch().is_some() { settings.behind_a_link() } else { settings };
+    let delay_s = 1e-3 * scenario.link.impairment.delay_ms;
+    let settings = if world.watch().is_some() { settings.behind_a_link(delay_s) } else { settings };
     let dynamics = settings.dynamics.clone();
     let mut flock = Flock::new(settings, scenario.starts.len())?;
     let prepared = unless_stopped(&mut stop, world.prepare()).await;

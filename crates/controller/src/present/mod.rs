@@ -158,6 +158,11 @@ impl Present {
         self.command_delay_s = delay_s;
     }
 
+    /// How long a command takes to the vehicle, s.
+    pub fn command_delay_s(&self) -> f64 {
+        self.command_delay_s
+    }
+
     /// A command that is sent now turns the vehicle after this, s: the link's delay and the dead time of its course
     /// loop.
     pub fn acts_after_s(&self) -> f64 {

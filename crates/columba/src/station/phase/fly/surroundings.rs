@@ -18,7 +18,9 @@ const LEAD_MAX_S: f64 = 2.0;
 /// What a flock of these members is to know: each flies by its own model, within its own limits.
 pub fn settings(station: &Station, members: &[usize]) -> FlockSettings {
     let dynamics = members.iter().map(|&index| *station.vehicles[index].present().dynamics()).collect();
-    FlockSettings { dynamics, ..station.scenario.flock_settings() }.behind_a_link()
+    let delay_s = |&index: &usize| station.vehicles[index].present().command_delay_s();
+    let slowest_s = members.iter().map(delay_s).fold(0.0, f64::max);
+    FlockSettings { dynamics, ..station.scenario.flock_settings() }.behind_a_link(slowest_s)
 }
 
 /// Where the members will be when commands that are sent now act.
