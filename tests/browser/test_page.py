@@ -203,6 +203,24 @@ def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page,
         run.wait()
 
 
+def test_what_does_not_change_has_its_charts_too(open_page, program, tmp_path):
+    """Vehicles that stay at their starts while a slow link is measured: values that differ by a rounding error."""
+    slow = ["--set", "link.delay_ms=1000"]
+    command = [program, "run", "--speed", "1", "--view", "--no-report", "--vehicle-port", "0", *slow]
+    run = subprocess.Popen([*command, "--out", tmp_path / "run"], stderr=subprocess.PIPE, text=True)
+    try:
+        page = open_page(address_in(run.stderr.readline()))
+        wait_for_vehicles(page, 5)
+        page.click(".row >> nth=2")
+        page.click("#tab-selected")
+        page.wait_for_selector(".uplot >> nth=2")
+        # The page of before drew lines without end, and said so some seconds later.
+        page.wait_for_timeout(8000)
+    finally:
+        run.kill()
+        run.wait()
+
+
 def test_fences_and_missions_are_in_the_picture(open_page, start_vehicles, scenario, program):
     port = free_port()
     vehicles = start_vehicles(scenario(count=2), "--view", ground_port=port)

@@ -14,6 +14,8 @@ const CHARTS = [
   { title: "Link age (s)", lines: [["age", (m, i) => m.age(i)]] },
 ];
 const DASHES = [[], [6, 4], [2, 3]];
+// No axis is shorter than this: of values that differ by a rounding error uPlot would draw lines without end.
+const LEAST_RANGE = 0.02;
 
 export class Charts {
   constructor(element, player, onSeek) {
@@ -54,7 +56,8 @@ export class Charts {
       const seek = (plot) => this.onSeek(plot.posToVal(plot.cursor.left, "x"));
       const options = {
         title: chart.title, width: this.width(), height: 9.4 * rem,
-        scales: { x: { time: false } },
+        scales: { x: { time: false, range: (_, ...ends) => widened(...ends) },
+          y: { range: (_, ...ends) => uPlot.rangeNum(...widened(...ends), 0.1, true) } },
         cursor: { sync: { key: "vehicle" }, y: false },
         legend: { show: true, live: true },
         axes: [{ ...axis, size: 1.9 * rem }, { ...axis, size: 3.3 * rem }],
@@ -91,6 +94,12 @@ export class Charts {
   width() {
     return Math.max(200, this.element.clientWidth - 8);
   }
+}
+
+/** The ends of an axis, as far apart as they have to be; without values they are none. */
+function widened(low, high) {
+  const room = Math.max(0, LEAST_RANGE - (high - low)) / 2;
+  return low === null || high === null ? [0, 1] : [low - room, high + room];
 }
 
 /**
