@@ -3,6 +3,7 @@
 import json
 import signal
 import subprocess
+from contextlib import contextmanager
 
 from chromium import address_in, browser, open_page, until  # noqa: F401 (fixtures)
 from conftest import free_port
@@ -17,6 +18,29 @@ FLOCK = "(() => columba.stage.flock.n === {})()"
 def wait_for_vehicles(page, count):
     until(page, FLOCK.format(count))
     until(page, "columba.stage.frames > 2 && columba.player.status !== null")
+
+
+@contextmanager
+def viewed_run(program, folder, *options):
+    """A flight by the clock: the address of its page."""
+    words = [program, "run", "--speed", "1", "--view", "--no-report", "--out", folder, "--vehicle-port", "0", *options]
+    run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+    try:
+        yield address_in(run.stderr.readline())
+    finally:
+        run.kill()
+        run.wait()
+
+
+@contextmanager
+def viewer(program, *words):
+    """`columba view`: the address of its page. It ends well when it is told to."""
+    view = subprocess.Popen([program, "view", *words], stderr=subprocess.PIPE, text=True)
+    try:
+        yield address_in(view.stderr.readline())
+    finally:
+        view.send_signal(signal.SIGINT)
+        assert view.wait(timeout=30) == 0
 
 
 def test_a_vehicle_that_leaves_guided_raises_an_alarm_that_leads_to_it(open_page, start_vehicles, scenario):
@@ -159,21 +183,8 @@ def told_of_drop(page):
 
 
 def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page, program, tmp_path):
-    words = [
-        program,
-        "run",
-        "--speed",
-        "1",
-        "--view",
-        "--no-report",
-        "--out",
-        tmp_path / "run",
-        "--vehicle-port",
-        str(free_port()),
-    ]
-    run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
-    try:
-        page = open_page(address_in(run.stderr.readline()))
+    with viewed_run(program, tmp_path / "run") as address:
+        page = open_page(address)
         wait_for_vehicles(page, 5)
         page.click(".row >> nth=2")
         page.click("#tab-selected")
@@ -198,27 +209,18 @@ def test_what_the_optimiser_had_to_choose_from_is_shown_of_any_moment(open_page,
             " return Math.hypot(x - columba.stage.flock.x[2], y - columba.stage.flock.y[2]); })()"
         )
         assert page.evaluate(off_m) < 8, "its way begins where it was"
-    finally:
-        run.kill()
-        run.wait()
 
 
 def test_what_does_not_change_has_its_charts_too(open_page, program, tmp_path):
     """Vehicles that stay at their starts while a slow link is measured: values that differ by a rounding error."""
-    slow = ["--set", "link.delay_ms=1000"]
-    command = [program, "run", "--speed", "1", "--view", "--no-report", "--vehicle-port", "0", *slow]
-    run = subprocess.Popen([*command, "--out", tmp_path / "run"], stderr=subprocess.PIPE, text=True)
-    try:
-        page = open_page(address_in(run.stderr.readline()))
+    with viewed_run(program, tmp_path / "run", "--set", "link.delay_ms=1000") as address:
+        page = open_page(address)
         wait_for_vehicles(page, 5)
         page.click(".row >> nth=2")
         page.click("#tab-selected")
         page.wait_for_selector(".uplot >> nth=2")
         # The page of before drew lines without end, and said so some seconds later.
         page.wait_for_timeout(8000)
-    finally:
-        run.kill()
-        run.wait()
 
 
 def test_fences_and_missions_are_in_the_picture(open_page, start_vehicles, scenario, program):
@@ -231,12 +233,10 @@ def test_fences_and_missions_are_in_the_picture(open_page, start_vehicles, scena
     assert Uploader(first.link, first.system, FENCE).upload(fence) == mavlink.MAV_MISSION_ACCEPTED
     mission = [item(mavlink.MAV_CMD_NAV_WAYPOINT, north) for north in (0, 100, 200)]
     assert Uploader(first.link, first.system).upload(mission) == mavlink.MAV_MISSION_ACCEPTED
-    words = [program, "view", "--plans", "--link", f"udpin:127.0.0.1:{port}"]
-    viewer = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
-    try:
+    with viewer(program, "--plans", "--link", f"udpin:127.0.0.1:{port}") as viewed:
         lines = "columba.stage.scene.outlines.filter((line) => line.kind === '{}').map((line) => line.points_m)"
         # The program knows the plans of its own vehicles, and another one asks for them.
-        for address in (address_in(vehicles.errors), address_in(viewer.stderr.readline())):
+        for address in (address_in(vehicles.errors), viewed):
             page = open_page(address)
             wait_for_vehicles(page, 2)
             until(
@@ -247,15 +247,11 @@ def test_fences_and_missions_are_in_the_picture(open_page, start_vehicles, scena
             assert abs(way[2][0] - way[0][0] - 200) < 1 and abs(way[2][2] - 60) < 0.1
             assert len(page.evaluate(lines.format("fence"))[0]) == 4
             until(page, f"{lines.format('home')}.length > 0")
-    finally:
-        viewer.send_signal(signal.SIGINT)
-        assert viewer.wait(timeout=30) == 0
 
 
 def test_a_log_is_played_back_and_scrubbed(open_page, flown, program):
-    viewer = subprocess.Popen([program, "view", flown.tlog], stderr=subprocess.PIPE, text=True)
-    try:
-        page = open_page(address_in(viewer.stderr.readline()))
+    with viewer(program, flown.tlog) as address:
+        page = open_page(address)
         wait = "columba.player.isRecording && columba.player.end > 41 && columba.stage.flock.n === 5"
         until(page, wait)
         page.wait_for_selector("#least-separation:has-text('least separation')")
@@ -270,9 +266,6 @@ def test_a_log_is_played_back_and_scrubbed(open_page, flown, program):
         at_s = float(page.inner_text("#least-separation").split(", at ")[1].split()[0])
         assert abs(page.evaluate("columba.player.now") - at_s) < 0.1
         assert page.evaluate("columba.stage.selected.size") == 2
-    finally:
-        viewer.send_signal(signal.SIGINT)
-        assert viewer.wait(timeout=30) == 0
 
 
 def test_the_replay_of_a_report_is_the_same_page_without_a_network(open_page, flown):
@@ -297,17 +290,12 @@ def test_watching_changes_no_byte_of_a_flight(fly, flown):
 
 def test_any_vehicles_are_shown_without_configuration(open_page, start_vehicles, scenario, program):
     port = free_port()
-    viewer = subprocess.Popen([program, "view", "--link", f"udpin:127.0.0.1:{port}"], stderr=subprocess.PIPE, text=True)
-    try:
-        address = address_in(viewer.stderr.readline())
+    with viewer(program, "--link", f"udpin:127.0.0.1:{port}") as address:
         start_vehicles(scenario(count=2), "--personality", "px4", ground_port=port)
         page = open_page(address)
         wait_for_vehicles(page, 2)
         until(page, "Number.isFinite(columba.stage.flock.x[1])")
         assert json.loads(page.evaluate("JSON.stringify(columba.roster.systems)")) == [1, 2]
-    finally:
-        viewer.send_signal(signal.SIGINT)
-        assert viewer.wait(timeout=30) == 0
 
 
 def test_simulated_vehicles_are_told_to_end_and_answer(open_page, start_vehicles, scenario):
